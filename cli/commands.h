@@ -1,0 +1,11 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+/// Each command is one file cli/<name>_command.cpp with one function that adds it to the program. A command parses and
+/// prints; what it does is a call into studies/. Errors are thrown as InputError (exit code 2) or RequirementError (1).
+namespace handloop::cli {
+
+void add_arm_command(CLI::App& program);
+
+}  // namespace handloop::cli

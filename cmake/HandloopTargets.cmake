@@ -1,0 +1,51 @@
+# handloop_library(NAME DEPENDS ... [PRIVATE ...]): the library of this folder, all its .cpp files, as handloop::NAME.
+add_library(handloop_compile_options INTERFACE)
+target_compile_options(handloop_compile_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wold-style-cast
+                       -Woverloaded-virtual -Wconversion -Wno-sign-conversion -Wdouble-promotion)
+if(HANDLOOP_WARNINGS_AS_ERRORS)
+  target_compile_options(handloop_compile_options INTERFACE -Werror)
+endif()
+if(HANDLOOP_SANITIZE)
+  add_compile_options(-fsanitize=${HANDLOOP_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  add_link_options(-fsanitize=${HANDLOOP_SANITIZE})
+endif()
+# Results must be the same bits on every machine: no contraction into fused multiply-add.
+add_compile_options(-ffp-contract=off)
+
+function(handloop_library name)
+  cmake_parse_arguments(ARG "" "" "DEPENDS;PRIVATE" ${ARGN})
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/*.cpp")
+  file(GLOB_RECURSE headers CONFIGURE_DEPENDS RELATIVE "${PROJECT_SOURCE_DIR}" "${CMAKE_CURRENT_SOURCE_DIR}/*.h")
+  if(sources)
+    add_library(handloop_${name} STATIC ${sources})
+    set(scope PUBLIC)
+    target_link_libraries(handloop_${name} PRIVATE $<BUILD_INTERFACE:handloop_compile_options> ${ARG_PRIVATE})
+  else()
+    add_library(handloop_${name} INTERFACE)
+    set(scope INTERFACE)
+  endif()
+  add_library(handloop::${name} ALIAS handloop_${name})
+  target_include_directories(handloop_${name} ${scope} $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
+                             $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/handloop>)
+  target_link_libraries(handloop_${name} ${scope} ${ARG_DEPENDS})
+  set_target_properties(handloop_${name} PROPERTIES EXPORT_NAME ${name})
+  set_property(GLOBAL APPEND PROPERTY HANDLOOP_LIBRARIES handloop_${name})
+  set_property(GLOBAL APPEND PROPERTY HANDLOOP_HEADERS ${headers})
+endfunction()
+
+# handloop_tests(FOLDER DEPENDS ...): one GoogleTest program for tests/FOLDER, every *_test.cpp in it.
+function(handloop_tests folder)
+  cmake_parse_arguments(ARG "" "" "DEPENDS" ${ARGN})
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/tests/${folder}/*.cpp")
+  if(NOT sources)
+    return()
+  endif()
+  add_executable(${folder}_tests ${sources})
+  target_link_libraries(${folder}_tests PRIVATE handloop_compile_options handloop_test_support ${ARG_DEPENDS} GTest::gtest GTest::gtest_main)
+  target_compile_definitions(${folder}_tests PRIVATE HANDLOOP_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
+                             HANDLOOP_PROGRAM="$<TARGET_FILE:handloop>")
+  add_dependencies(${folder}_tests handloop)
+  include(GoogleTest)
+  gtest_discover_tests(${folder}_tests TEST_PREFIX "${folder}." DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60
+                       PROPERTIES TIMEOUT 300)
+endfunction()
