@@ -37,7 +37,8 @@ void require_valid(const ArmParameters& arm) {
   for (std::size_t i = 0; i < values.size(); ++i) {
     const bool must_be_positive = i < 2;
     if (!std::isfinite(values[i]) || values[i] < 0 || (must_be_positive && values[i] == 0)) {
-      throw InputError(std::string(kArmParameterNames[i]) + " = " + std::to_string(values[i]) + " is not possible: it must be a finite number " +
+      throw InputError(std::string(kArmParameterNames[i]) + " = " + std::to_string(values[i]) +
+                       " is not possible: it must be a finite number " +
                        (must_be_positive ? "above zero" : "of zero or more"));
     }
   }

@@ -11,17 +11,17 @@ namespace handloop::models {
 /// (k1, b1), behind it the mass of the arm hangs on the arm's own spring and damper (k2, b2) to the resting body.
 struct ArmParameters {
   double mass_kg = 0.0;
-  double k1_N_per_m = 0.0;    ///< grasp stiffness
-  double k2_N_per_m = 0.0;    ///< arm stiffness
-  double b1_Ns_per_m = 0.0;   ///< grasp damping
-  double b2_Ns_per_m = 0.0;   ///< arm damping
+  double k1_N_per_m = 0.0;   ///< grasp stiffness
+  double k2_N_per_m = 0.0;   ///< arm stiffness
+  double b1_Ns_per_m = 0.0;  ///< grasp damping
+  double b2_Ns_per_m = 0.0;  ///< arm damping
 
   bool operator==(const ArmParameters&) const = default;
 };
 
 /// Names of the five parameters in the order of every table and file: mass, k1, k2, b1, b2.
-inline constexpr std::array<std::string_view, 5> kArmParameterNames{"mass_kg", "k1_N_per_m", "k2_N_per_m", "b1_Ns_per_m",
-                                                                    "b2_Ns_per_m"};
+inline constexpr std::array<std::string_view, 5> kArmParameterNames{"mass_kg", "k1_N_per_m", "k2_N_per_m",
+                                                                    "b1_Ns_per_m", "b2_Ns_per_m"};
 
 /// The five values in the order of kArmParameterNames, and back.
 std::array<double, 5> to_array(const ArmParameters& arm);

@@ -21,8 +21,8 @@ void require_valid(const AxisModel& model) {
   const auto& [mass, b, k] = model.msd;
   const auto check = [](const char* name, double value, bool positive) {
     if (!std::isfinite(value) || value < 0 || (positive && value == 0)) {
-      throw InputError(std::string(name) + " = " + std::to_string(value) + " is not possible: it must be a finite number " +
-                       (positive ? "above zero" : "of zero or more"));
+      throw InputError(std::string(name) + " = " + std::to_string(value) +
+                       " is not possible: it must be a finite number " + (positive ? "above zero" : "of zero or more"));
     }
   };
   check("mass_kg", mass, true);
@@ -38,13 +38,25 @@ const OperatingPoint& AxisOperatingPoint::at(Place place) const {
 std::complex<double> compliance(const AxisModel& model, const AxisOperatingPoint& point, std::complex<double> s) {
   std::complex<double> grasp = 0, arm = 0, grip = 0, factor = 1;
   for (const auto& effect : model.effects) {
-    const auto linear = effect->linearise(point.at(effect->place()), model.port_base(effect->place()));
+    auto linear = effect->linearise(point.at(effect->place()), model.port_base(effect->place()));
+    if (effect->place() == Place::grasp) {  // inertia at the grasp moves with the grip
+      grip += linear.mass_kg * s * s;
+      linear.mass_kg = 0;
+    }
     switch (effect->place()) {
-      case Place::arm: arm += linear(s); break;
-      case Place::grasp: grasp += linear(s); break;
-      case Place::joint: grip += linear(s); break;
+      case Place::arm:
+        arm += linear(s);
+        break;
+      case Place::grasp:
+        grasp += linear(s);
+        break;
+      case Place::joint:
+        grip += linear(s);
+        break;
       case Place::actuator:
-      case Place::sensor: factor *= linear(s); break;
+      case Place::sensor:
+        factor *= linear(s);
+        break;
     }
   }
   std::complex<double> held;  // force over motion of the grip

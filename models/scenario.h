@@ -11,7 +11,8 @@
 #include "models/axis_model.h"
 
 /// What a scenario file says, as plain data: the device, the arm that holds it, the controller and the run. Reading and
-/// writing is io/scenario_file.h; each key is documented in docs/scenarios.md. Defaults here are the defaults of the file.
+/// writing is io/scenario_file.h; each key is documented in docs/scenarios.md. Defaults here are the defaults of the
+/// file.
 namespace handloop::models {
 
 enum class DeviceModel { phantom_premium_1_5, seven_bar };
@@ -20,26 +21,26 @@ enum class PhantomParameterSet { cavusoglu, cad };
 struct DeviceSettings {
   DeviceModel model = DeviceModel::phantom_premium_1_5;
   PhantomParameterSet parameter_set = PhantomParameterSet::cavusoglu;
-  std::array<double, 3> pose_rad{0, 0, 0};        ///< motor angles q1, q2, q3 (absolute) at the start
-  double stylus_mass_kg = 0.052;                  ///< stylus and gimbal at the tip
+  std::array<double, 3> pose_rad{0, 0, 0};  ///< motor angles q1, q2, q3 (absolute) at the start
+  double stylus_mass_kg = 0.052;            ///< stylus and gimbal at the tip
   double joint_viscous_Nms_per_rad = 0.0005;
-  double joint_coulomb_Nm = 0.0;                  ///< free parameter: nothing was published for this device
-  double structural_frequency_Hz = 0.0;           ///< of a two-mass mode in each capstan; 0: rigid
+  double joint_coulomb_Nm = 0.0;         ///< free parameter: nothing was published for this device
+  double structural_frequency_Hz = 0.0;  ///< of a two-mass mode in each capstan; 0: rigid
   double structural_damping_ratio = 0.02;
-  bool counterbalanced = false;                   ///< maker's counterweight on joint 2 for the gimbal
+  bool counterbalanced = false;  ///< maker's counterweight on joint 2 for the gimbal
 };
 
 struct ElectronicsSettings {
-  bool ideal = false;                             ///< no quantisation, no saturation, no noise
+  bool ideal = false;  ///< no quantisation, no saturation, no noise
   int encoder_counts_per_rev = 4096;
   int dac_bits = 12;
-  double dac_range_V = 10.0;                      ///< codes span -range..+range; 0 V is not a code
+  double dac_range_V = 10.0;  ///< codes span -range..+range; 0 V is not a code
   double amplifier_A_per_V = 0.3;
   double current_limit_A = 3.0;
   int adc_bits = 16;
   double adc_range_V = 10.0;
   double force_sensor_N_per_V = 1.7;
-  double force_noise_N = 0.003;                   ///< standard deviation
+  double force_noise_N = 0.003;  ///< standard deviation
   double grip_noise_N = 0.02;
   double grip_rate_Hz = 65.0;
 };
@@ -48,11 +49,11 @@ enum class ForceSensedAt { grip, flange };
 
 struct ArmSettings {
   bool attached = true;
-  std::array<ArmParameters, 3> axes;              ///< by Axis; nominal (Table II) unless the file says otherwise
+  std::array<ArmParameters, 3> axes;  ///< by Axis; nominal (Table II) unless the file says otherwise
   std::vector<std::pair<Axis, EffectPtr>> effects;
   ForceSensedAt force_sensed_at = ForceSensedAt::grip;
   double grip_force_N = 2.0;
-  double wander_rms_m = 0.0;                      ///< slow voluntary motion
+  double wander_rms_m = 0.0;  ///< slow voluntary motion
 };
 
 /// C(z) = K + B (1-a)/T (z-1)/(z-a), a = exp(-2 pi f_c T), negative feedback, `delay_samples` whole samples of delay.
@@ -66,8 +67,8 @@ struct LoopSettings {
 
 struct WallSettings {
   Axis axis = Axis::z;
-  double position_m = 0.0;                        ///< along the axis, from the tip at the pose
-  bool bilateral = false;                         ///< a spring to the plane instead of a one-sided wall
+  double position_m = 0.0;  ///< along the axis, from the tip at the pose
+  bool bilateral = false;   ///< a spring to the plane instead of a one-sided wall
   bool gravity_compensation = true;
 };
 
@@ -75,21 +76,21 @@ struct SafetySettings {
   double force_limit_N = 5.0;
   double force_rate_limit_N_per_s = 5000.0;
   double velocity_limit_m_per_s = 2.0;
-  double workspace_radius_m = 0.15;               ///< about the tip at the pose
+  double workspace_radius_m = 0.15;  ///< about the tip at the pose
   int watchdog_samples = 20;
 };
 
 /// How the hand moves on its own: what makes the tip meet the wall in a run.
 struct HandMotionSettings {
   Axis axis = Axis::z;
-  double push_N = 2.0;                            ///< mean force into the wall
-  double disturbance_N = 0.0;                     ///< rms of 30 Hz coloured noise added to it
+  double push_N = 2.0;         ///< mean force into the wall
+  double disturbance_N = 0.0;  ///< rms of 30 Hz coloured noise added to it
 };
 
 struct RunSettings {
   double duration_s = 5.0;
   std::uint64_t seed = 1;
-  double physics_step_s = 0.001;                  ///< at most; shortened for fast arms
+  double physics_step_s = 0.001;  ///< at most; shortened for fast arms
 };
 
 struct Scenario {

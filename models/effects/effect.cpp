@@ -15,11 +15,16 @@ std::complex<double> evaluate(const std::vector<double>& polynomial, std::comple
 
 std::string_view place_name(Place place) {
   switch (place) {
-    case Place::arm: return "arm";
-    case Place::grasp: return "grasp";
-    case Place::joint: return "joint";
-    case Place::actuator: return "actuator";
-    case Place::sensor: return "sensor";
+    case Place::arm:
+      return "arm";
+    case Place::grasp:
+      return "grasp";
+    case Place::joint:
+      return "joint";
+    case Place::actuator:
+      return "actuator";
+    case Place::sensor:
+      return "sensor";
   }
   return "arm";
 }
@@ -48,7 +53,8 @@ Effect::Effect(const EffectInfo& info, Place place, std::span<const double> valu
 
 double Effect::parameter(std::string_view key) const {
   const auto index = info_->parameter_index(key);
-  if (index == values_.size()) throw InputError(std::string(info_->name) + " has no parameter '" + std::string(key) + "'");
+  if (index == values_.size())
+    throw InputError(std::string(info_->name) + " has no parameter '" + std::string(key) + "'");
   return values_[index];
 }
 

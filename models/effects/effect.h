@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-/// An effect is one component, used four times: the identification looks for it, the simulator runs it, the margins feel
-/// it and the panel shows it. Each effect is one file in this folder; catalogue.cpp lists them all.
+/// An effect is one component, used four times: the identification looks for it, the simulator runs it, the margins
+/// feel it and the panel shows it. Each effect is one file in this folder; catalogue.cpp lists them all.
 ///
 /// Units are those of a translational axis; for a rotary recording read N as Nm and m as rad.
 namespace handloop::models {
@@ -28,12 +28,13 @@ Place parse_place(std::string_view text);
 
 /// One parameter of an effect, as it stands in model files.
 struct EffectParameter {
-  std::string_view name;     ///< key, the unit as its suffix: "force_N"
-  std::string_view unit;     ///< "N"
-  double lower;              ///< physically admissible range, both ends included
+  std::string_view name;  ///< key, the unit as its suffix: "force_N"
+  std::string_view unit;  ///< "N"
+  double lower;           ///< physically admissible range, both ends included
   double upper;
-  double typical;            ///< a usual value: start of a search, first position of a slider
+  double typical;            ///< a usual value: start of a search, first position of a slider, default of a model file
   std::string_view meaning;  ///< one line
+  bool held = false;         ///< a choice rather than a quantity: a fit keeps it as it is
 };
 
 /// What is known of an effect before it has any value.
@@ -62,16 +63,16 @@ struct PortMotion {
   double t_s = 0.0;
   double x_m = 0.0;
   double v_m_per_s = 0.0;
-  double delayed_x_m = 0.0;        ///< the same, delay_s() ago
+  double delayed_x_m = 0.0;  ///< the same, delay_s() ago
   double delayed_v_m_per_s = 0.0;
 };
 
 /// How far things move when the effect is linearised.
 struct OperatingPoint {
-  double x_rms_m = 1e-3;        ///< of the motion about its mean, at the effect's place
+  double x_rms_m = 1e-3;  ///< of the motion about its mean, at the effect's place
   double v_rms_m_per_s = 1e-2;
   double x_mean_m = 0.0;
-  double t_s = 0.0;             ///< for effects that drift
+  double t_s = 0.0;  ///< for effects that drift
 };
 
 /// The linear stand-in of an effect at an operating point.
@@ -82,16 +83,17 @@ struct LinearElement {
   double stiffness_N_per_m = 0.0;
   double damping_Ns_per_m = 0.0;
   double mass_kg = 0.0;
-  std::vector<double> numerator;
-  std::vector<double> denominator;
+  std::vector<double> numerator = {};
+  std::vector<double> denominator = {};
   double delay_s = 0.0;
 
   /// Dynamic stiffness (force element) or transfer (signal element) at s in rad/s.
   std::complex<double> operator()(std::complex<double> s) const;
 };
 
-/// An effect with values. Immutable and without hidden state: every state it has lives with the caller, so one object may
-/// serve many simulations and threads at once. force() and state_rates() neither allocate, lock nor throw: real-time safe.
+/// An effect with values. Immutable and without hidden state: every state it has lives with the caller, so one object
+/// may serve many simulations and threads at once. force() and state_rates() neither allocate, lock nor throw:
+/// real-time safe.
 class Effect {
  public:
   virtual ~Effect() = default;
@@ -110,7 +112,7 @@ class Effect {
   /// Time derivatives of the internal states.
   virtual void state_rates(const PortMotion&, const PortBase&, std::span<const double> /*states*/,
                            std::span<double> /*rates*/) const {}
-  /// Mass that moves with the point, kg; adds m a to the resisting force.
+  /// Mass that moves with the point, kg; adds m a to the resisting force. At the grasp it moves with the grip.
   virtual double added_mass_kg(double /*t_s*/) const { return 0.0; }
   /// How old delayed_x_m and delayed_v_m_per_s are to be; 0 where the effect has no memory of that kind.
   virtual double delay_s() const { return 0.0; }
@@ -147,8 +149,8 @@ struct EffectType {
 std::span<const EffectType> effect_catalogue();
 /// Entry by name. Throws InputError for an unknown one, suggesting the nearest.
 const EffectType& find_effect_type(std::string_view name);
-/// Makes an effect. Values in the order of the info's parameters; throws InputError where a value is outside its bounds or
-/// not finite, or the effect cannot act at that place.
+/// Makes an effect. Values in the order of the info's parameters; throws InputError where a value is outside its bounds
+/// or not finite, or the effect cannot act at that place.
 EffectPtr make_effect(std::string_view name, Place place, std::span<const double> values);
 /// The same with the typical values.
 EffectPtr make_typical_effect(std::string_view name, Place place);

@@ -1,0 +1,28 @@
+#include "models/effects/entry.h"
+
+namespace handloop::models {
+namespace {
+
+const EffectInfo kInfo{
+    .name = "added_mass",
+    .title = "Added mass",
+    .equation = "F = mass_kg a, moving with the grip beyond the force sensor (grasp, joint) or with the arm",
+    .source = "I. Newton 1687; stylus and gimbal of Fu and Cavusoglu II-B hang there",
+    .places = {Place::grasp, Place::joint, Place::arm},
+    .parameters = {{"mass_kg", "kg", 0.0, 100.0, 0.05, "of what moves along"}},
+};
+
+class AddedMass final : public Effect {
+ public:
+  AddedMass(Place place, std::span<const double> values) : Effect(kInfo, place, values) {}
+  double added_mass_kg(double) const override { return value(0); }
+  LinearElement linearise(const OperatingPoint&, const PortBase&) const override { return {.mass_kg = value(0)}; }
+};
+
+}  // namespace
+
+EffectType added_mass_effect() {
+  return effect_entry<AddedMass>(kInfo);
+}
+
+}  // namespace handloop::models
