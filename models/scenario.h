@@ -9,6 +9,7 @@
 #include "models/arm.h"
 #include "models/axis.h"
 #include "models/axis_model.h"
+#include "models/phantom.h"
 
 /// What a scenario file says, as plain data: the device, the arm that holds it, the controller and the run. Reading and
 /// writing is io/scenario_file.h; each key is documented in docs/scenarios.md. Defaults here are the defaults of the
@@ -16,7 +17,6 @@
 namespace handloop::models {
 
 enum class DeviceModel { phantom_premium_1_5, seven_bar };
-enum class PhantomParameterSet { cavusoglu, cad };
 
 struct DeviceSettings {
   DeviceModel model = DeviceModel::phantom_premium_1_5;
