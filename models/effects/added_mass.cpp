@@ -9,7 +9,9 @@ const EffectInfo kInfo{
     .equation = "F = mass_kg a, moving with the grip beyond the force sensor (grasp, joint) or with the arm",
     .source = "I. Newton 1687; stylus and gimbal of Fu and Cavusoglu II-B hang there",
     .places = {Place::grasp, Place::joint, Place::arm},
-    .parameters = {{"mass_kg", "kg", 0.0, 100.0, 0.05, "of what moves along"}},
+    .parameters =
+        {{"mass_kg", "kg", 0.0, 100.0, 0.05, "of what moves along", {Role::shape, 0.01, 0.1, 3, Scale::absolute}}},
+    .search_places = {Place::grasp},
 };
 
 class AddedMass final : public Effect {

@@ -12,6 +12,7 @@ const EffectInfo kInfo{
     .source = "flexors and extensors differ; even part of a piecewise linear spring",
     .places = {Place::arm, Place::grasp, Place::joint},
     .parameters = {{"difference_N_per_m", "N/m", -1e6, 1e6, 50.0, "stiffness for x > 0 less that for x < 0"}},
+    .search_places = {Place::arm, Place::grasp},
 };
 
 class AsymmetricStiffness final : public Effect {

@@ -12,7 +12,9 @@ const EffectInfo kInfo{
     .equation = "F = -k clamp(x, -gap_m/2, gap_m/2): within the gap the spring beside it does not act",
     .source = "dead zone; Nordin and Gutman, Automatica 38 (2002) 1633",
     .places = {Place::grasp, Place::arm},
-    .parameters = {{"gap_m", "m", 0.0, 0.1, 0.001, "whole width of the dead zone"}},
+    .parameters =
+        {{"gap_m", "m", 0.0, 0.1, 0.001, "whole width of the dead zone", {Role::shape, 0.1, 3, 5, Scale::position}}},
+    .search_places = {Place::grasp, Place::arm},
 };
 
 class Backlash final : public Effect {

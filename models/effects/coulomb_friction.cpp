@@ -11,7 +11,14 @@ const EffectInfo kInfo{
     .source = "C.-A. Coulomb 1785; smoothed as in Andersson et al., Tribology Int. 40 (2007) 580",
     .places = {Place::arm, Place::joint, Place::grasp},
     .parameters = {{"force_N", "N", 0.0, 1e4, 0.15, "friction once it slides"},
-                   {"smoothing_m_per_s", "m/s", 1e-5, 1.0, 0.005, "speed at which 76 % of it is reached"}},
+                   {"smoothing_m_per_s",
+                    "m/s",
+                    1e-5,
+                    1.0,
+                    0.005,
+                    "speed at which 76 % of it is reached",
+                    {Role::shape, 0.03, 0.5, 3, Scale::velocity}}},
+    .search_places = {Place::arm},
 };
 
 class CoulombFriction final : public Effect {

@@ -10,6 +10,7 @@ const EffectInfo kInfo{
     .source = "G. Duffing 1918; hardening where positive, softening where negative",
     .places = {Place::arm, Place::grasp, Place::joint},
     .parameters = {{"coefficient_N_per_m3", "N/m^3", -1e12, 1e12, 1e6, "force at 1 m, were it still cubic there"}},
+    .search_places = {Place::arm, Place::grasp},
 };
 
 class CubicStiffness final : public Effect {

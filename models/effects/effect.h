@@ -26,15 +26,33 @@ std::string_view place_name(Place place);
 /// Throws InputError for an unknown word, naming the five.
 Place parse_place(std::string_view text);
 
+/// How a search over recordings treats a parameter.
+enum class Role {
+  gain,   ///< the force (or signal) is proportional to it: its start follows by linear regression
+  shape,  ///< enters otherwise: starts are tried over a range
+  choice  ///< not a quantity of the fit: every listed value is a variant of its own
+};
+
+/// In what a search range is measured: absolute units, or multiples of the rms motion at the effect's place.
+enum class Scale { absolute, position, velocity };
+
+struct Search {
+  Role role = Role::gain;
+  double from = 0.0;  ///< first and last start; shapes in geometric, choices in arithmetic steps
+  double to = 0.0;
+  int points = 1;
+  Scale scale = Scale::absolute;
+};
+
 /// One parameter of an effect, as it stands in model files.
 struct EffectParameter {
   std::string_view name;  ///< key, the unit as its suffix: "force_N"
   std::string_view unit;  ///< "N"
   double lower;           ///< physically admissible range, both ends included
   double upper;
-  double typical;            ///< a usual value: start of a search, first position of a slider, default of a model file
+  double typical;            ///< a usual value: default of a model file, first position of a slider
   std::string_view meaning;  ///< one line
-  bool held = false;         ///< a choice rather than a quantity: a fit keeps it as it is
+  Search search = {};
 };
 
 /// What is known of an effect before it has any value.
@@ -45,6 +63,7 @@ struct EffectInfo {
   std::string_view source;    ///< paper or textbook
   std::vector<Place> places;  ///< where it may act, the usual place first
   std::vector<EffectParameter> parameters;
+  std::vector<Place> search_places = {};  ///< where a search looks for it; empty: found by other means
 
   /// Index of a parameter by its key, or parameters.size() where there is none.
   std::size_t parameter_index(std::string_view key) const;

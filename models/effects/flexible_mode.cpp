@@ -16,9 +16,17 @@ const EffectInfo kInfo{
         "vibration absorber, Den Hartog, Mechanical Vibrations, ch. 3; modes of the Phantom: Diaz and Gil, TRO 26 "
         "(2010) 160",
     .places = {Place::arm, Place::joint},
-    .parameters = {{"mass_kg", "kg", 0.0, 1e3, 0.05, "that rides on the spring"},
-                   {"frequency_Hz", "Hz", 0.3, 400.0, 15.0, "with the place held fast"},
-                   {"damping_ratio", "", 0.001, 2.0, 0.05, "of that mode"}},
+    .parameters =
+        {{"mass_kg", "kg", 0.0, 1e3, 0.05, "that rides on the spring"},
+         {"frequency_Hz",
+          "Hz",
+          0.3,
+          400.0,
+          15.0,
+          "with the place held fast",
+          {Role::shape, 2, 40, 12, Scale::absolute}},
+         {"damping_ratio", "", 0.001, 2.0, 0.05, "of that mode", {Role::shape, 0.03, 0.3, 2, Scale::absolute}}},
+    .search_places = {Place::arm},
 };
 
 class FlexibleMode final : public Effect {

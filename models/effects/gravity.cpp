@@ -8,22 +8,26 @@ namespace {
 const EffectInfo kInfo{
     .name = "gravity",
     .title = "Gravity",
-    .equation = "F = force_N sin(x / length_m + phase_rad)",
+    .equation = "F = sine_N sin(x / length_m) + cosine_N cos(x / length_m)",
     .source = "weight of a link of lever length_m; for a rotary axis length_m = 1 and x is its angle",
     .places = {Place::arm, Place::joint},
-    .parameters = {{"force_N", "N", 0.0, 1e4, 1.0, "weight, or its greatest moment"},
-                   {"length_m", "m", 0.01, 1e3, 0.3, "lever on which the weight swings", true},
-                   {"phase_rad", "rad", -10.0, 10.0, 0.0, "angle from the vertical at x = 0"}},
+    .parameters = {{"sine_N", "N", -1e4, 1e4, 0.0, "weight (or its greatest moment) where x = 0 hangs straight down"},
+                   {"cosine_N", "N", -1e4, 1e4, 1.0, "weight (or its greatest moment) where x = 0 is level"},
+                   {"length_m", "m", 0.01, 1e3, 0.3, "lever on which the weight swings", {Role::choice, 1, 1, 1}}},
+    .search_places = {Place::arm},
 };
 
 class Gravity final : public Effect {
  public:
   Gravity(Place place, std::span<const double> values) : Effect(kInfo, place, values) {}
   double force_N(const PortMotion& motion, const PortBase&, std::span<const double>) const override {
-    return value(0) * std::sin(motion.x_m / value(1) + value(2));
+    const double angle = motion.x_m / value(2);
+    return value(0) * std::sin(angle) + value(1) * std::cos(angle);
   }
   LinearElement linearise(const OperatingPoint& point, const PortBase&) const override {
-    return {.stiffness_N_per_m = value(0) / value(1) * std::cos(point.x_mean_m / value(1) + value(2))};
+    const double angle = point.x_mean_m / value(2), spread = point.x_rms_m / value(2);
+    return {.stiffness_N_per_m = std::exp(-0.5 * spread * spread) / value(2) *
+                                 (value(0) * std::cos(angle) - value(1) * std::sin(angle))};
   }
 };
 

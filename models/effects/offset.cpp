@@ -11,6 +11,7 @@ const EffectInfo kInfo{
     .places = {Place::actuator, Place::sensor},
     .parameters = {{"force_N", "N", -1e4, 1e4, 0.0, "constant force added (actuator)"},
                    {"position_m", "m", -10.0, 10.0, 0.0, "constant position added (sensor)"}},
+    .search_places = {Place::actuator, Place::sensor},
 };
 
 class Offset final : public Effect {

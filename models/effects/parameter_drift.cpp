@@ -14,6 +14,7 @@ const EffectInfo kInfo{
                     "change of the stiffness beside it each second"},
                    {"damping_rate_Ns_per_m_s", "Ns/m/s", -1e4, 1e4, 0.0, "change of the damping each second"},
                    {"mass_rate_kg_per_s", "kg/s", -10.0, 10.0, 0.0, "change of the mass each second (arm only)"}},
+    .search_places = {Place::arm, Place::grasp},
 };
 
 class ParameterDrift final : public Effect {

@@ -9,29 +9,32 @@ namespace {
 const EffectInfo kInfo{
     .name = "position_ripple",
     .title = "Position ripple (cogging)",
-    .equation = "F = amplitude_N sin(2 pi x / period_m + phase_rad)",
+    .equation = "F = sine_N sin(2 pi x / period_m) + cosine_N cos(2 pi x / period_m)",
     .source = "cogging of motors, ripple of capstans and gears; Mohan, Electric Drives, ch. 10",
     .places = {Place::arm, Place::joint},
-    .parameters = {{"amplitude_N", "N", 0.0, 1e4, 0.1, "of the ripple"},
-                   {"period_m", "m", 1e-5, 10.0, 0.004, "after which it repeats"},
-                   {"phase_rad", "rad", -10.0, 10.0, 0.0, "at x = 0"}},
+    .parameters =
+        {{"sine_N", "N", -1e4, 1e4, 0.1, "odd part of the ripple"},
+         {"cosine_N", "N", -1e4, 1e4, 0.0, "even part of the ripple"},
+         {"period_m", "m", 1e-5, 10.0, 0.004, "after which it repeats", {Role::shape, 0.2, 3, 90, Scale::position}}},
+    .search_places = {Place::arm, Place::joint},
 };
 
 class PositionRipple final : public Effect {
  public:
   PositionRipple(Place place, std::span<const double> values) : Effect(kInfo, place, values) {}
   double force_N(const PortMotion& motion, const PortBase&, std::span<const double>) const override {
-    return law(motion.x_m);
+    const double angle = wavenumber() * motion.x_m;
+    return value(0) * std::sin(angle) + value(1) * std::cos(angle);
   }
   LinearElement linearise(const OperatingPoint& point, const PortBase&) const override {
     // Gelb and Vander Velde 1968: the mean slope of a sine under Gaussian motion
-    const double k = 2 * std::numbers::pi / value(1), spread = k * point.x_rms_m;
+    const double k = wavenumber(), spread = k * point.x_rms_m, angle = k * point.x_mean_m;
     return {.stiffness_N_per_m =
-                value(0) * k * std::exp(-0.5 * spread * spread) * std::cos(k * point.x_mean_m + value(2))};
+                k * std::exp(-0.5 * spread * spread) * (value(0) * std::cos(angle) - value(1) * std::sin(angle))};
   }
 
  private:
-  double law(double x) const { return value(0) * std::sin(2 * std::numbers::pi * x / value(1) + value(2)); }
+  double wavenumber() const { return 2 * std::numbers::pi / value(2); }
 };
 
 }  // namespace

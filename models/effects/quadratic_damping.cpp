@@ -13,6 +13,7 @@ const EffectInfo kInfo{
     .source = "drag at high Reynolds number; Gelb and Vander Velde 1968, table of random-input describing functions",
     .places = {Place::arm, Place::joint, Place::grasp},
     .parameters = {{"coefficient_Ns2_per_m2", "Ns^2/m^2", 0.0, 1e6, 10.0, "force at 1 m/s"}},
+    .search_places = {Place::arm},
 };
 
 class QuadraticDamping final : public Effect {

@@ -9,7 +9,14 @@ const EffectInfo kInfo{
     .equation = "time_constant_s y' = u - y",
     .source = "first-order sensor, amplifier or smoothing filter",
     .places = {Place::sensor, Place::actuator},
-    .parameters = {{"time_constant_s", "s", 0.0, 0.5, 0.005, "of the first-order lag"}},
+    .parameters = {{"time_constant_s",
+                    "s",
+                    0.0,
+                    0.5,
+                    0.005,
+                    "of the first-order lag",
+                    {Role::shape, 0.001, 0.04, 4, Scale::absolute}}},
+    .search_places = {Place::sensor},
 };
 
 class SensorLag final : public Effect {

@@ -12,8 +12,21 @@ const EffectInfo kInfo{
     .places = {Place::arm, Place::joint, Place::grasp},
     .parameters = {{"force_N", "N", 0.0, 1e4, 0.1, "friction at speed"},
                    {"excess_N", "N", 0.0, 1e4, 0.1, "what breakaway takes beyond it"},
-                   {"stribeck_m_per_s", "m/s", 1e-4, 10.0, 0.02, "speed at which the excess has fallen to 37 %"},
-                   {"smoothing_m_per_s", "m/s", 1e-5, 1.0, 0.003, "speed at which 76 % of it is reached"}},
+                   {"stribeck_m_per_s",
+                    "m/s",
+                    1e-4,
+                    10.0,
+                    0.02,
+                    "speed at which the excess has fallen to 37 %",
+                    {Role::shape, 0.15, 1.2, 3, Scale::velocity}},
+                   {"smoothing_m_per_s",
+                    "m/s",
+                    1e-5,
+                    1.0,
+                    0.003,
+                    "speed at which 76 % of it is reached",
+                    {Role::shape, 0.03, 0.15, 2, Scale::velocity}}},
+    .search_places = {Place::arm},
 };
 
 class StribeckFriction final : public Effect {

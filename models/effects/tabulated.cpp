@@ -43,13 +43,19 @@ const EffectInfo& info() {
             "velocity j",
         .source = "what no catalogued effect explains; measured, not understood",
         .places = {Place::arm, Place::joint, Place::grasp},
-        .parameters = {{"centre_m", "m", -10.0, 10.0, 0.0, "displacement in the middle of the table", true},
-                       {"displacement_range_m", "m", 1e-9, 100.0, 0.01, "from the middle to the first and last row",
-                        true},
-                       {"velocity_range_m_per_s", "m/s", 1e-9, 1e3, 0.1, "of the first and last column", true}},
+        .parameters =
+            {{"centre_m", "m", -10.0, 10.0, 0.0, "displacement in the middle of the table", {Role::choice}},
+             {"displacement_range_m",
+              "m",
+              1e-9,
+              100.0,
+              0.01,
+              "from the middle to the first and last row",
+              {Role::choice}},
+             {"velocity_range_m_per_s", "m/s", 1e-9, 1e3, 0.1, "of the first and last column", {Role::choice}}},
     };
     for (const auto& name : force_names())
-      e.parameters.push_back({name, "N", -1e6, 1e6, 0.0, "force at one knot", true});
+      e.parameters.push_back({name, "N", -1e6, 1e6, 0.0, "force at one knot", {Role::choice}});
     return e;
   }();
   return entry;

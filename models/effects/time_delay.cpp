@@ -9,7 +9,9 @@ const EffectInfo kInfo{
     .equation = "y(t) = u(t - delay_s)",
     .source = "transport, computation or communication between the signal and its record",
     .places = {Place::sensor, Place::actuator},
-    .parameters = {{"delay_s", "s", 0.0, 0.2, 0.005, "how late the signal is"}},
+    .parameters =
+        {{"delay_s", "s", 0.0, 0.2, 0.005, "how late the signal is", {Role::shape, 0.001, 0.04, 4, Scale::absolute}}},
+    .search_places = {Place::sensor},
 };
 
 class TimeDelay final : public Effect {

@@ -16,7 +16,13 @@ const EffectInfo kInfo{
     .parameters = {{"amplitude_N", "N", 0.0, 1e3, 0.05, "rms of the force on the arm"},
                    {"frequency_Hz", "Hz", 1.0, 60.0, 9.0, "centre of the band"},
                    {"bandwidth_Hz", "Hz", 0.0, 10.0, 0.5, "width of the band"},
-                   {"phase_rad", "rad", -10.0, 10.0, 0.0, "of the centre line at the start", true}},
+                   {"phase_rad",
+                    "rad",
+                    -10.0,
+                    10.0,
+                    0.0,
+                    "of the centre line at the start",
+                    {Role::choice, 0, 0, 1, Scale::absolute}}},
 };
 
 class Tremor final : public Effect {

@@ -10,7 +10,14 @@ const EffectInfo kInfo{
     .source = "J. C. Maxwell 1867; standard linear solid of muscle and tendon (Fung, Biomechanics, 1993, ch. 2)",
     .places = {Place::arm, Place::grasp, Place::joint},
     .parameters = {{"stiffness_N_per_m", "N/m", 0.0, 1e7, 50.0, "of the relaxing spring"},
-                   {"time_constant_s", "s", 0.003, 20.0, 0.2, "in which its force falls to 37 %"}},
+                   {"time_constant_s",
+                    "s",
+                    0.003,
+                    20.0,
+                    0.2,
+                    "in which its force falls to 37 %",
+                    {Role::shape, 0.01, 2, 6, Scale::absolute}}},
+    .search_places = {Place::arm, Place::grasp},
 };
 
 class ViscoelasticRelaxation final : public Effect {
