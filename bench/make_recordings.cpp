@@ -10,6 +10,7 @@
 #include <fstream>
 #include <string>
 
+#include "tests/support/exam.h"
 #include "tests/support/planted_recording.h"
 
 using handloop::tests::PlantedRecording;
@@ -24,15 +25,6 @@ std::string values(const std::map<std::string, double>& map) {
     text += (text.empty() ? "" : ";") + name + "=" + number;
   }
   return text;
-}
-
-void write(const std::filesystem::path& path, const PlantedRecording& r) {
-  std::FILE* file = std::fopen(path.c_str(), "w");
-  if (!file) throw std::runtime_error("cannot write " + path.string());
-  std::fprintf(file, r.rotary ? "time_s,torque_Nm,angle_rad\n" : "time_s,force_N,position_m\n");
-  for (std::size_t i = 0; i < r.force.size(); ++i)
-    std::fprintf(file, "%.3f,%.7g,%.9g\n", static_cast<double>(i) * r.sample_time_s, r.force[i], r.position[i]);
-  std::fclose(file);
 }
 
 }  // namespace
@@ -67,7 +59,7 @@ int main(int argc, char** argv) {
                                               : handloop::tests::plant_recording(what, seed * 7919 + i);
       char name[32];
       std::snprintf(name, sizeof name, "rec_%03zu.csv", i);
-      write(std::filesystem::path(directory) / name, r);
+      handloop::tests::write_recording_csv(std::filesystem::path(directory) / name, r);
       std::string variants, parameters;
       for (const auto& effect : r.truth) {
         variants += (variants.empty() ? "" : " + ") + effect.variant;
