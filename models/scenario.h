@@ -76,7 +76,9 @@ struct SafetySettings {
   double force_limit_N = 5.0;
   double force_rate_limit_N_per_s = 5000.0;
   double velocity_limit_m_per_s = 2.0;
-  double workspace_radius_m = 0.15;  ///< about the tip at the pose
+  double acceleration_limit_m_per_s2 = 400.0;  ///< of the tip, over about 5 ms
+  double workspace_radius_m = 0.15;            ///< about the tip at the pose
+  double energy_limit_J = 0.5;                 ///< that the wall may give the hand beyond what it received
   int watchdog_samples = 20;
 };
 
