@@ -33,7 +33,7 @@ const std::vector<std::string>& force_names() {
   return names;
 }
 
-const EffectInfo& info() {
+const EffectInfo& tabulated_info() {
   static const EffectInfo entry = [] {
     EffectInfo e{
         .name = "tabulated",
@@ -63,7 +63,7 @@ const EffectInfo& info() {
 
 class Tabulated final : public Effect {
  public:
-  Tabulated(Place place, std::span<const double> values) : Effect(info(), place, values) {}
+  Tabulated(Place place, std::span<const double> values) : Effect(tabulated_info(), place, values) {}
   double force_N(const PortMotion& motion, const PortBase&, std::span<const double>) const override {
     return law(motion.x_m, motion.v_m_per_s);
   }
@@ -105,7 +105,7 @@ std::array<TabulatedGrid::Corner, 4> TabulatedGrid::corners(double displacement_
 }
 
 EffectType tabulated_effect() {
-  return effect_entry<Tabulated>(info());
+  return effect_entry<Tabulated>(tabulated_info());
 }
 
 }  // namespace handloop::models
