@@ -1,0 +1,72 @@
+#include "studies/margins_json.h"
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "models/errors.h"
+
+namespace handloop::studies {
+
+using nlohmann::ordered_json;
+
+ordered_json json_number(double value) {
+  if (std::isnan(value)) return nullptr;
+  if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
+  return value;
+}
+
+ordered_json to_json(const control::Margins& m) {
+  ordered_json j;
+  j["stable"] = m.stable;
+  j["rho"] = json_number(m.rho);
+  const auto margin = [&](const char* key, double value, double at) {
+    j[key] = json_number(value);
+    j[std::string("w_") + key] = json_number(at);
+  };
+  margin("gm_up", m.gain_up, m.gain_up_at_rad_per_s);
+  margin("gm_down", m.gain_down, m.gain_down_at_rad_per_s);
+  margin("pm_deg", m.phase_deg, m.phase_at_rad_per_s);
+  margin("dm_s", m.delay_s, m.delay_at_rad_per_s);
+  margin("sm", m.modulus, m.modulus_at_rad_per_s);
+  margin("disk_alpha", m.disk_alpha, m.disk_at_rad_per_s);
+  if (m.stable) {
+    const auto disk = control::disk_guarantee(m.disk_alpha);
+    j["disk_gain"] = {json_number(disk.gain_low), json_number(disk.gain_high)};
+    j["disk_phase_deg"] = json_number(disk.phase_deg);
+  } else {
+    j["disk_gain"] = nullptr;
+    j["disk_phase_deg"] = nullptr;
+  }
+  return j;
+}
+
+ordered_json to_json(const control::TransferMargins& result) {
+  ordered_json j = to_json(result.margins);
+  if (!std::isnan(result.abscissa)) j["abscissa_rad_per_s"] = json_number(result.abscissa);
+  j["poles"] = ordered_json::array();
+  for (const auto& p : result.poles) j["poles"].push_back({json_number(p.real()), json_number(p.imag())});
+  return j;
+}
+
+void write_json(const ordered_json& json, const std::string& target) {
+  const std::string text = json.dump(2) + "\n";
+  if (target == "-") {
+    std::fwrite(text.data(), 1, text.size(), stdout);
+    return;
+  }
+  const std::string staged = target + ".partial";
+  std::ofstream out(staged, std::ios::binary);
+  out << text;
+  out.close();
+  std::error_code error;
+  if (out) std::filesystem::rename(staged, target, error);
+  if (!out || error) {
+    std::filesystem::remove(staged, error);
+    throw InputError(target + ": cannot be written; give a path of a file in a folder that may be written to");
+  }
+}
+
+}  // namespace handloop::studies
