@@ -8,5 +8,6 @@ namespace handloop::cli {
 
 void add_arm_command(CLI::App& program);
 void add_margins_command(CLI::App& program);
+void add_uncertainty_command(CLI::App& program);
 
 }  // namespace handloop::cli

@@ -23,6 +23,7 @@ int main(int argc, char** argv) {
   program.require_subcommand(1);
   handloop::cli::add_arm_command(program);
   handloop::cli::add_margins_command(program);
+  handloop::cli::add_uncertainty_command(program);
   try {
     program.parse(argc, argv);
     return 0;
