@@ -167,6 +167,7 @@ Json to_json(const studies::SampleSummary& summary, const SampleOptions& options
                                                               {"table", to_json(s.table)},
                                                               {"worst_statistic", s.worst_statistic},
                                                               {"worst_deviation", s.worst_deviation},
+                                                              {"feasible", s.feasible},
                                                               {"distribution_distance", s.distribution_distance},
                                                               {"gap_at_a_percentile", s.gap}};
   }
@@ -183,7 +184,7 @@ void print(const studies::SampleSummary& summary, const SampleOptions& options, 
     fmt::print("{:<12} {:>10.4g} ({:>8.4g}) {:>10.4g} ({:>8.4g})   {} {:.2f} %", kArmParameterNames[j], s.sample.mean,
                s.table.mean, s.sample.standard_deviation, s.table.standard_deviation, s.worst_statistic,
                100 * s.worst_deviation);
-    if (s.distribution_distance > 1e-3) {
+    if (!s.feasible) {
       fmt::print("; infeasible: no distribution meets this row, the nearest is {:.2f} % off",
                  100 * s.distribution_distance);
     } else if (s.gap) {

@@ -49,8 +49,8 @@ class ParameterDistribution {
   /// Distance from the table: the larger of the relative errors of mean and standard deviation. Near zero unless no
   /// monotone quantile function through the six points has them: then the nearest was taken.
   double distance() const;
-  /// False where the eight printed numbers cannot be met together (distance above 0.1 %).
-  bool feasible() const { return distance() < 1e-3; }
+  /// False where the eight printed numbers cannot be met together (distance above 0.05 %).
+  bool feasible() const { return distance() < 5e-4; }
 
  private:
   void fit();

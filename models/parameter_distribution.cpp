@@ -1,6 +1,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include "models/arm_population.h"
@@ -10,9 +11,15 @@ namespace handloop::models {
 namespace {
 
 constexpr std::size_t kIntervals = 5;
-/// Cells an interval: the density is constant within a cell, so the quantile function is a polygon and exactly
-/// invertible.
+/// Cells an interval. The density is constant within a cell: the quantile function is a polygon and exactly invertible.
 constexpr std::size_t kCells = 128;
+
+/// Edges of the cells as fractions of their interval, 0 to 1. They crowd towards both ends, where the density may be
+/// steep: a row that is met only by nearly all of an interval's share at one end is still met.
+double cell_edge(std::size_t c) {
+  return 0.5 - 0.5 * std::cos(std::numbers::pi * static_cast<double>(c) / kCells);
+}
+
 /// Softness of the two moment conditions, in standard deviations per unit of multiplier. It bounds the multipliers
 /// where the moments cannot be met and shifts them by some 1e-8 where they can.
 constexpr double kSoftness = 1e-9;
@@ -20,6 +27,7 @@ constexpr double kSoftness = 1e-9;
 /// Cells of one parameter in standard units z = (x - mean) / standard deviation of the table.
 struct Cells {
   std::vector<double> centre, second_moment;  ///< means of z and z^2 within each cell
+  std::vector<double> width;                  ///< as a fraction of the interval
   std::array<double, kIntervals> probability{};
 };
 
@@ -35,7 +43,10 @@ std::vector<double> cell_probabilities(const Cells& cells, const Eigen::Vector2d
       largest = std::max(largest, share[c]);
     }
     double sum = 0;
-    for (std::size_t c = first; c < first + kCells; ++c) sum += share[c] = std::exp(share[c] - largest);
+    for (std::size_t c = first; c < first + kCells; ++c) {
+      share[c] = cells.width[c] * std::exp(share[c] - largest);
+      sum += share[c];
+    }
     for (std::size_t c = first; c < first + kCells; ++c) share[c] *= cells.probability[i] / sum;
     *potential += cells.probability[i] * (largest + std::log(sum));
   }
@@ -132,9 +143,8 @@ void ParameterDistribution::fit() {
     cells.probability[i] = probabilities[i + 1] - probabilities[i];
     for (std::size_t c = 0; c < kCells; ++c) {
       const double low = edges_.back();
-      const double high = c + 1 == kCells
-                              ? points[i + 1]
-                              : points[i] + (points[i + 1] - points[i]) * static_cast<double>(c + 1) / kCells;
+      const double high = c + 1 == kCells ? points[i + 1] : points[i] + (points[i + 1] - points[i]) * cell_edge(c + 1);
+      cells.width.push_back(cell_edge(c + 1) - cell_edge(c));
       const double a = (low - t.mean) / t.standard_deviation;
       const double b = (high - t.mean) / t.standard_deviation;
       cells.centre.push_back((a + b) / 2);

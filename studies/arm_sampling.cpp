@@ -98,6 +98,7 @@ SampleSummary write_arm_sample(const models::ArmPopulation& population, std::siz
     summary[j].sample = statistics_of(columns[j], population.reading());
     summary[j].table = parameter.statistics();
     summary[j].distribution_distance = parameter.distance();
+    summary[j].feasible = parameter.feasible();
     summary[j].gap = has_gap(parameter);
     compare(&summary[j]);
   }

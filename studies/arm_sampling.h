@@ -19,6 +19,7 @@ struct SampledStatistics {
   double worst_deviation = 0.0;
   std::string worst_statistic;         ///< its name: "mean", "ci95_minimum", ...
   double distribution_distance = 0.0;  ///< models::ParameterDistribution::distance()
+  bool feasible = true;                ///< models::ParameterDistribution::feasible()
   bool gap = false;  ///< only a distribution with nothing about one of the four percentiles meets the row: a sample
                      ///< then finds that percentile anywhere in the gap
 };
