@@ -17,7 +17,8 @@ namespace handloop::control {
 /// Delays up to here are handled by polynomials; beyond, their degree costs more digits than a search.
 inline constexpr int kMaxPolynomialDelay = 3;
 
-using CirclePolynomial = Polynomial<40>;
+inline constexpr std::size_t kCirclePolynomialCapacity = 18;
+using CirclePolynomial = Polynomial<kCirclePolynomialCapacity>;
 
 /// alpha(y) + beta(y) delta.
 struct OnCircle {
@@ -86,6 +87,30 @@ struct CirclePolynomials {
     p.degree = 2;
     p.c[0] = s.a0 * s.a0, p.c[1] = s.a1 * s.a1 - 2 * s.a0 - s.a0 * s.a1, p.c[2] = 1 - s.a1 + s.a0;
     return p;
+  }
+};
+
+/// Where 1 + L = 0 can be met by a real stiffness, the damping being given: Im of (den + damping's part of num) over
+/// stiffness's part of num, which is n (delta + 1 - a).
+struct StiffnessCrossings {
+  CirclePolynomial phase;
+
+  /// The loop is given with its damping and no stiffness.
+  explicit StiffnessCrossings(const LoopFunction& loop) {
+    const auto& plant = loop.plant;
+    OnCircle plant_num;
+    for (std::size_t i = 4; i-- > 0;) plant_num = plant_num.times_delta().plus(plant.numerator[i]);
+    const OnCircle per_stiffness = plant_num.times_delta() + plant_num.times(loop.one_minus_a);
+    OnCircle rest;
+    rest.alpha.c[0] = loop.one_minus_a, rest.beta.c[0] = 1;
+    for (int i = 0; i < plant.section_count; ++i) {
+      const auto& s = plant.sections[static_cast<std::size_t>(i)];
+      rest = rest.times_delta().times_delta() + rest.times_delta().times(s.a1) + rest.times(s.a0);
+    }
+    for (int i = 0; i < loop.delay; ++i) rest = rest.times_delta() + rest;
+    rest = rest + plant_num.times_delta().times(loop.wall_c1);
+    phase = per_stiffness.beta * rest.alpha - per_stiffness.alpha * rest.beta;
+    phase.truncate(2 * plant.section_count + loop.delay);
   }
 };
 

@@ -94,7 +94,7 @@ void margins_by_roots(const LoopFunction& loop, MarginCollector& collector) {
   const auto sharpen_peaks = [&](const CirclePolynomial& stationary, auto&& function, auto&& worst_of) {
     const auto candidates = roots_in(stationary, 4.0);
     double worst = Margins::kInfinity;
-    std::array<double, 40> angle{}, size{};
+    std::array<double, kCirclePolynomialCapacity> angle{}, size{};
     for (int i = 0; i < candidates.count; ++i) {
       const auto k = static_cast<std::size_t>(i);
       angle[k] = angle_of(candidates.x[k]);
@@ -105,7 +105,7 @@ void margins_by_roots(const LoopFunction& loop, MarginCollector& collector) {
     }
     for (int i = 0; i < candidates.count; ++i) {
       const auto k = static_cast<std::size_t>(i);
-      if (size[k] > 1.5 * worst) continue;  // stationary values are known to second order already
+      if (size[k] > 4 * worst) continue;  // stationary values are known to second order already
       const double theta = sharpen_by_secant(angle[k], function);
       const auto v = loop.at<false>(LoopFunction::delta_at(theta));
       collector.distance(v.numerator.std(), v.denominator.std(), theta / T);
@@ -115,14 +115,14 @@ void margins_by_roots(const LoopFunction& loop, MarginCollector& collector) {
       polynomials.modulus,
       [&](double at) {
         const auto [L, slope] = slope_at(loop, at);
-        return (L * slope / (Cx(1) + L)).re;
+        return (L * slope * (Cx(1) + L).conj()).re;
       },
       [](const LoopFunction::Value& v) { return (v.numerator + v.denominator).norm() / v.denominator.norm(); });
   sharpen_peaks(
       polynomials.disk,
       [&](double at) {
         const auto [L, slope] = slope_at(loop, at);
-        return (L * slope / (Cx(1) - L * L)).re;
+        return (L * slope * (Cx(1) - L * L).conj()).re;
       },
       [](const LoopFunction::Value& v) {
         return (v.numerator + v.denominator).norm() / (v.denominator - v.numerator).norm();

@@ -71,15 +71,29 @@ struct Roots {
 
 namespace detail {
 
-/// The root between a and b, where p has opposite signs. Newton's method kept inside the bracket; where a step would
-/// leave it or gains too little, the bracket is halved, geometrically where it spans decades. Relative precision
-/// `tolerance`.
+/// Pascal's triangle.
+inline constexpr auto kBinomial = [] {
+  std::array<std::array<double, 32>, 32> t{};
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    t[i][0] = 1;
+    for (std::size_t j = 1; j <= i; ++j) t[i][j] = t[i - 1][j - 1] + (j < i ? t[i - 1][j] : 0);
+  }
+  return t;
+}();
+
+/// The root between a and b (0 <= a < b), where p has opposite signs. The bracket is halved by decades until it spans a
+/// factor of four, then Newton's method is kept inside it. Relative precision `tolerance`.
 template <std::size_t Capacity>
 double bracketed_root(const Polynomial<Capacity>& p, double a, double b, double value_a, double tolerance) {
-  double x = a > 0 && b > 8 * a ? std::sqrt(a * b) : 0.5 * (a + b);
   const bool negative_left = value_a < 0;
-  double width = b - a;
-  for (int i = 0; i < 200; ++i) {
+  while (b > 4 * a && b > 1e-300) {
+    const double x = std::sqrt(b * std::max(a, 1e-12 * b));
+    const double value = p(x);
+    if (value == 0) return x;
+    ((value < 0) == negative_left ? a : b) = x;
+  }
+  double x = 0.5 * (a + b);
+  for (int i = 0; i < 100; ++i) {
     double value = p.c[static_cast<std::size_t>(p.degree)], slope = 0;
     for (int k = p.degree; k-- > 0;) {
       slope = slope * x + value;
@@ -87,16 +101,9 @@ double bracketed_root(const Polynomial<Capacity>& p, double a, double b, double 
     }
     if (value == 0) return x;
     ((value < 0) == negative_left ? a : b) = x;
-    const double step = value / slope;
-    double next = x - step;
-    if (!(next > a && next < b) || b - a > 0.9 * width) {
-      width = b - a;
-      if (!(next > a && next < b)) next = a > 0 && b > 8 * a ? std::sqrt(a * b) : 0.5 * (a + b);
-    } else {
-      width = b - a;
-    }
+    double next = x - value / slope;
+    if (!(next > a && next < b) || (i > 12 && i % 2 == 0)) next = 0.5 * (a + b);
     if (std::abs(next - x) <= tolerance * std::abs(next)) return next;
-    if (b - a <= tolerance * b) return 0.5 * (a + b);
     x = next;
   }
   return x;
@@ -108,19 +115,19 @@ double bracketed_root(const Polynomial<Capacity>& p, double a, double b, double 
 /// part those of the next (Yuksel, "High-Performance Polynomial Root Finding for Graphics", 2022), so that none is
 /// missed that is resolved by the coefficients. Allocates nothing.
 template <std::size_t Capacity>
-Roots<Capacity> roots_in(const Polynomial<Capacity>& polynomial, double high, double tolerance = 1e-9) {
+Roots<Capacity> roots_in(const Polynomial<Capacity>& polynomial, double high, double tolerance = 1e-8) {
   Roots<Capacity> roots;
   int degree = polynomial.degree;
   while (degree > 0 && polynomial.c[static_cast<std::size_t>(degree)] == 0) --degree;
   if (degree < 1) return roots;
-  // derivatives from the linear one up; p^(k) has coefficients c_i i!/(i-k)!
+  // derivatives from the linear one up; p^(k)/k! has the coefficients c_i (i over k)
+  static_assert(Capacity <= detail::kBinomial.size());
+  Polynomial<Capacity> p;
   for (int k = degree - 1; k >= 0; --k) {
-    Polynomial<Capacity> p;
     p.degree = degree - k;
     for (int i = k; i <= degree; ++i) {
-      double factor = 1;
-      for (int j = 0; j < k; ++j) factor *= i - j;
-      p.c[static_cast<std::size_t>(i - k)] = factor * polynomial.c[static_cast<std::size_t>(i)];
+      const auto n = static_cast<std::size_t>(i);
+      p.c[n - static_cast<std::size_t>(k)] = detail::kBinomial[n][static_cast<std::size_t>(k)] * polynomial.c[n];
     }
     Roots<Capacity> next;
     double a = 0, value_a = p.c[0];
@@ -130,7 +137,7 @@ Roots<Capacity> roots_in(const Polynomial<Capacity>& polynomial, double high, do
       if (value_b == 0) {
         next.add(b);
       } else if (value_a != 0 && (value_a < 0) != (value_b < 0)) {
-        next.add(detail::bracketed_root(p, a, b, value_a, k == 0 ? tolerance : 1e-7));
+        next.add(detail::bracketed_root(p, a, b, value_a, k == 0 ? tolerance : 1e-5));
       }
       a = b, value_a = value_b;
     }
