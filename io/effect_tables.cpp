@@ -51,9 +51,8 @@ models::EffectPtr read_effect(const TomlTable& table, std::initializer_list<std:
   for (const auto& parameter : info.parameters) {
     const auto value = parameters ? parameters->number(parameter.name) : std::nullopt;
     if (!value) {
-      table.fail(
-          fmt::format("{} lacks parameter {}: give it under [effect.parameters], {:g} to {:g} {}, for example {:g}",
-                      info.name, parameter.name, parameter.lower, parameter.upper, parameter.unit, parameter.typical));
+      values.push_back(parameter.typical);
+      continue;
     }
     if (*value < parameter.lower || *value > parameter.upper) {
       parameters->fail(parameter.name, fmt::format("{:g} is out of range; give {:g} to {:g} {}", *value,
