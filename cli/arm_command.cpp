@@ -234,7 +234,7 @@ void add_bode(CLI::App* arm) {
       ->capture_default_str();
   command->add_option("--literature", options->literature, "arms of Table V to add, or all")->delimiter(',');
   add_population_options(command, options.get());
-  command->add_option("--out", options->out, "directory for report.html, bode.svg and bode.csv")->required();
+  command->add_option("--out", options->out, "directory for report.html, two SVG plots and bode.csv")->required();
   command->footer("Example: handloop arm bode --axis z --count 200 --out out/bode");
   command->callback([options] {
     const auto population = options->population();

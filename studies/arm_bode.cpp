@@ -1,13 +1,8 @@
 #include "studies/arm_bode.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <numbers>
-
-#include "io/output.h"
 
 namespace handloop::studies {
 namespace {
@@ -46,21 +41,6 @@ BodeBand band(const std::vector<BodeCurve>& curves, std::vector<double> BodeCurv
   return result;
 }
 
-void write_csv(const ArmBode& bode, const std::filesystem::path& path) {
-  fmt::memory_buffer rows;
-  const auto out = std::back_inserter(rows);
-  fmt::format_to(out, "arm,frequency_Hz,magnitude_dB,phase_deg\n");
-  for (const auto* curves : {&bode.published, &bode.literature, &bode.samples}) {
-    for (const auto& c : *curves) {
-      for (std::size_t i = 0; i < bode.frequency_Hz.size(); ++i) {
-        fmt::format_to(out, "{},{:.6g},{:.6g},{:.6g}\n", c.name, bode.frequency_Hz[i], c.magnitude_dB[i],
-                       c.phase_deg[i]);
-      }
-    }
-  }
-  io::write_file_atomically(path, std::string_view(rows.data(), rows.size()));
-}
-
 std::vector<const models::LiteratureArm*> wanted_literature(const std::vector<std::string>& names) {
   std::vector<const models::LiteratureArm*> rows;
   for (const auto& name : names) {
@@ -97,12 +77,6 @@ ArmBode arm_bode(const models::ArmPopulation& population, const BodeRequest& req
   bode.magnitude_dB = band(bode.samples, &BodeCurve::magnitude_dB);
   bode.phase_deg = band(bode.samples, &BodeCurve::phase_deg);
   return bode;
-}
-
-void write_arm_bode(const ArmBode& bode, const models::ArmPopulation&, const std::filesystem::path& directory) {
-  io::OutputDirectory output(directory);
-  write_csv(bode, output / "bode.csv");
-  output.commit();
 }
 
 }  // namespace handloop::studies

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "io/plot.h"
 #include "models/arm_population.h"
 
 /// Frequency response x/F of the published arms, before the fan of arms sampled from the population.
@@ -39,8 +40,12 @@ struct ArmBode {
 /// Throws InputError for an unknown name of Table V.
 ArmBode arm_bode(const models::ArmPopulation& population, const BodeRequest& request);
 
-/// Writes report.html, bode.svg and bode.csv (`arm,frequency_Hz,magnitude_dB,phase_deg`: every published and sampled
-/// arm) into the directory. Throws InputError where it cannot be written.
+/// Magnitude and phase as plots: the sampled arms as a fan with their 5 to 95 % band, those of Tables I and
+/// II before it.
+std::vector<io::Plot> bode_plots(const ArmBode& bode);
+
+/// Writes report.html, magnitude.svg, phase.svg and bode.csv (`arm,frequency_Hz,magnitude_dB,phase_deg`: every
+/// published and sampled arm) into the directory. Throws InputError where it cannot be written.
 void write_arm_bode(const ArmBode& bode, const models::ArmPopulation& population,
                     const std::filesystem::path& directory);
 
