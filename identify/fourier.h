@@ -16,8 +16,9 @@ std::size_t smooth_length(std::size_t limit);
 /// Not to be shared between threads: the workspace belongs to the object.
 class PairTransform {
  public:
-  /// Throws std::invalid_argument for length 0.
-  explicit PairTransform(std::size_t length);
+  /// `bins`: as many as will be asked for, 0 for all length/2 + 1. Where they are few, the transform is split into
+  /// several shorter ones and only the wanted bins are put together. Throws std::invalid_argument for length 0.
+  explicit PairTransform(std::size_t length, std::size_t bins = 0);
   ~PairTransform();
   PairTransform(PairTransform&&) noexcept;
   PairTransform& operator=(PairTransform&&) noexcept;

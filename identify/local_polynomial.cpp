@@ -39,7 +39,7 @@ RecordTransform transform_record(std::span<const double> u, std::span<const doub
   const std::size_t bins = std::min(wanted + 1, length / 2 + 1);
   out.U.resize(bins);
   out.Y.resize(bins);
-  PairTransform{length}(u.first(length), y.first(length), out.U, out.Y);
+  PairTransform{length, bins}(u.first(length), y.first(length), out.U, out.Y);
   return out;
 }
 

@@ -117,7 +117,7 @@ Spectra welch(std::span<const double> u, std::span<const double> y, double sampl
   out.output_power.assign(bins, 0.0);
   out.cross_power.assign(bins, Complex(0));
 
-  PairTransform transform(length);
+  PairTransform transform(length, last + 1);
   std::vector<double> wu(length), wy(length);
   std::vector<Complex> U(last + 1), Y(last + 1);
   for (std::size_t segment = 0; segment < out.segments; ++segment) {
