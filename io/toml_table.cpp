@@ -91,7 +91,7 @@ void TomlTable::fail(std::string_view message) const {
   throw InputError(place(nullptr) + std::string(message));
 }
 
-void TomlTable::allow_only(std::span<const std::string_view> keys) const {
+std::string_view TomlTable::first_unknown(std::span<const std::string_view> keys) const {
   // The first in the file, not in the alphabet.
   const toml::node* first = nullptr;
   std::string_view unknown;
@@ -102,9 +102,18 @@ void TomlTable::allow_only(std::span<const std::string_view> keys) const {
       unknown = key.str();
     }
   }
-  if (first == nullptr) return;
-  throw InputError(fmt::format("{}unknown {} '{}'{}", place(first), first->is_table() ? "table" : "key", unknown,
-                               suggestion(unknown, keys)));
+  return unknown;
+}
+
+void TomlTable::fail_unknown(std::string_view key, std::string_view hint) const {
+  const auto* node = table_->get(key);
+  throw InputError(fmt::format("{}unknown {} '{}'{}", place(node),
+                               node != nullptr && node->is_table() ? "table" : "key", key, hint));
+}
+
+void TomlTable::allow_only(std::span<const std::string_view> keys) const {
+  const auto unknown = first_unknown(keys);
+  if (!unknown.empty()) fail_unknown(unknown, suggestion(unknown, keys));
 }
 
 std::optional<double> TomlTable::number(std::string_view key) const {

@@ -33,6 +33,11 @@ class TomlTable {
     allow_only(std::span<const std::string_view>(keys.begin(), keys.size()));
   }
 
+  /// The first key in the file that is none of these, or "".
+  std::string_view first_unknown(std::span<const std::string_view> keys) const;
+  /// Complains about an unknown key; `hint` follows its name.
+  [[noreturn]] void fail_unknown(std::string_view key, std::string_view hint) const;
+
   bool has(std::string_view key) const { return table_->contains(key); }
   std::vector<std::string_view> keys() const;
 
