@@ -74,7 +74,11 @@ io::Plot fan_plot(const ArmBode& bode, std::string y_label, Quantity quantity, c
 io::Plot literature_plot(const ArmBode& bode, std::string y_label, Quantity quantity) {
   io::Plot result = empty_plot(bode, std::move(y_label));
   for (const auto& c : bode.literature) {
-    result.series.push_back({.label = c.name, .x = bode.frequency_Hz, .y = c.*quantity});
+    const bool beyond_colours = result.series.size() == 6;
+    result.series.push_back({.label = c.name,
+                             .x = bode.frequency_Hz,
+                             .y = c.*quantity,
+                             .colour = beyond_colours ? io::Colour::grey : io::Colour::automatic});
   }
   result.series.push_back(nominal(bode, quantity));
   return result;
