@@ -7,7 +7,7 @@ namespace {
 
 using enum FaultResponse;
 
-constexpr std::array<FaultInfo, 18> kFaults{{
+constexpr std::array<FaultInfo, 19> kFaults{{
     {Fault::none, "none", "no fault", "", ramp_to_zero},
     {Fault::not_finite, "not_finite", "a position, force or command was not a finite number", "", zero_at_once},
     {Fault::no_reading, "no_reading", "no fresh sample for longer than the watchdog allows", "samples", ramp_to_zero},
@@ -22,6 +22,8 @@ constexpr std::array<FaultInfo, 18> kFaults{{
     {Fault::sensor_saturated, "sensor_saturated", "an analog input stayed at the end of its range", "samples",
      ramp_to_zero},
     {Fault::sensor_dead, "sensor_dead", "an analog input stayed at one code although the tip moved", "samples",
+     ramp_to_zero},
+    {Fault::force_mismatch, "force_mismatch", "the sensed force is not the one the motors were asked for", "N",
      ramp_to_zero},
     {Fault::read_exception, "read_exception", "reading the device threw an exception", "", zero_at_once},
     {Fault::write_exception, "write_exception", "writing to the device threw an exception", "", zero_at_once},

@@ -19,6 +19,7 @@ enum class Fault : std::uint8_t {
   energy,
   sensor_saturated,
   sensor_dead,
+  force_mismatch,
   read_exception,
   write_exception,
   write_failed,

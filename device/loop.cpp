@@ -11,6 +11,10 @@ namespace {
 
 // Writes that fail in a row before the device counts as lost; each is tried again with the next sample.
 constexpr int kFailedWritesAllowed = 3;
+// A device that loses every other sample is no device, even where no gap is long.
+constexpr double kMissingShareAllowed = 0.6;
+constexpr double kFailedShareAllowed = 0.4;
+constexpr double kForget_s = 0.5;
 
 std::int64_t now_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
@@ -54,6 +58,7 @@ void Loop::reset() noexcept {
   steps_ = last_sample_ = 0;
   started_ = false;
   samples_without_reading_ = failed_writes_ = 0;
+  missing_share_ = failed_share_ = 0.0;
   missing_ = stale_ = clipped_ = 0;
   computed_ = {};
   computed_.codes.fill(zero_);
@@ -105,7 +110,14 @@ void Loop::compute(const Reading& reading) noexcept {
 }
 
 void Loop::take(const Reading& reading) {
-  const bool fresh = reading.valid && (!started_ || reading.sample > last_sample_);
+  const bool fresh =
+      reading.valid && (!started_ || (reading.sample > last_sample_ && reading.time_ns >= last_fresh_ns_));
+  const double forget = description_.sample_time_s / kForget_s;
+  missing_share_ += forget * ((fresh ? 0.0 : 1.0) - missing_share_);
+  if (missing_share_ > kMissingShareAllowed) {
+    latch({Fault::no_reading, steps_, record_.reading.time_ns, static_cast<double>(samples_without_reading_ + 1),
+           static_cast<double>(config_.limits.watchdog_samples)});
+  }
   if (!fresh) {
     ++missing_;
     if (reading.valid) ++stale_;
@@ -119,6 +131,7 @@ void Loop::take(const Reading& reading) {
   const std::uint64_t samples = started_ ? reading.sample - last_sample_ : 1;
   samples_without_reading_ = 0;
   last_sample_ = reading.sample;
+  last_fresh_ns_ = reading.time_ns;
   if (samples > static_cast<std::uint64_t>(config_.limits.watchdog_samples) + 1) {
     latch({Fault::loop_stalled, steps_, reading.time_ns, static_cast<double>(samples),
            static_cast<double>(config_.limits.watchdog_samples)});
@@ -152,7 +165,7 @@ bool Loop::take_fresh(const Reading& reading, std::uint64_t samples) {
   record_.sensed_force_N = input.sensed_force_N;
   record_.grip_force_N = input.grip_force_N;
 
-  FaultEvent seen = monitor_.check(reading, input.mechanism, input.sensed_force_N, samples);
+  FaultEvent seen = monitor_.check(reading, input.mechanism, input.sensed_force_N, held_.force_N, samples);
   record_.velocity_m_per_s = monitor_.velocity_m_per_s();
   record_.energy_J = observer_.update(held_.force_N, tip_step, held_.in_contact);
   if (seen.fault == Fault::none && record_.energy_J > config_.limits.energy_J) {
@@ -239,7 +252,8 @@ void Loop::write(Device& device) noexcept {
   try {
     record_.command_taken = device.write(record_.command);
     failed_writes_ = record_.command_taken ? 0 : failed_writes_ + 1;
-    if (failed_writes_ > kFailedWritesAllowed) failure = Fault::write_failed;
+    failed_share_ += description_.sample_time_s / kForget_s * ((record_.command_taken ? 0.0 : 1.0) - failed_share_);
+    if (failed_writes_ > kFailedWritesAllowed || failed_share_ > kFailedShareAllowed) failure = Fault::write_failed;
   } catch (...) {
     failure = Fault::write_exception;
   }

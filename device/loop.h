@@ -90,8 +90,10 @@ class Loop {
   std::uint64_t steps_ = 0;
   bool started_ = false;
   std::uint64_t last_sample_ = 0;
+  std::int64_t last_fresh_ns_ = 0;
   int samples_without_reading_ = 0;
   int failed_writes_ = 0;
+  double missing_share_ = 0.0, failed_share_ = 0.0;  ///< of late, forgetting with a time constant of 0.5 s
   std::uint64_t missing_ = 0, stale_ = 0, clipped_ = 0;
 
   std::array<Pending, kMaxDelaySamples + 1> line_;  ///< ring: commands waiting for their sample

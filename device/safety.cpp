@@ -10,12 +10,14 @@ namespace {
 constexpr double kVelocityCutoff_Hz = 100.0;
 // One encoder count a sample is 30 m/s^2 in plain differences: acceleration is only meaningful well below the rate.
 constexpr double kAccelerationCutoff_Hz = 30.0;
+// Above this the inertia of the device stands between motors and sensor.
+constexpr double kMismatchCutoff_Hz = 2.0;
 constexpr int kSaturatedSamples = 20;
 constexpr int kDeadSamples = 500;
 constexpr double kDeadWay_m = 2e-3;
 constexpr int kStuckSamples = 50;
 // A jump is a way no motion within the limit could make, with room for coarse encoders.
-constexpr double kJumpFactor = 3.0;
+constexpr double kJumpFactor = 1.5;
 constexpr double kJumpRoom_m = 2e-4;
 
 double pole(double cutoff_Hz, double sample_time_s) {
@@ -75,18 +77,21 @@ MotionMonitor::MotionMonitor(const SafetyLimits& limits, const DeviceDescription
       description_(description),
       sample_time_s_(description.sample_time_s),
       velocity_pole_(pole(kVelocityCutoff_Hz, description.sample_time_s)),
-      acceleration_pole_(pole(kAccelerationCutoff_Hz, description.sample_time_s)) {}
+      acceleration_pole_(pole(kAccelerationCutoff_Hz, description.sample_time_s)),
+      mismatch_pole_(pole(kMismatchCutoff_Hz, description.sample_time_s)) {}
 
 void MotionMonitor::reset() noexcept {
   started_ = false;
   velocity_.setZero();
   acceleration_.setZero();
+  mismatch_N_.setZero();
   channels_ = {};
   encoders_ = {};
 }
 
 FaultEvent MotionMonitor::check(const Reading& reading, const control::MechanismState& state,
-                                const Eigen::Vector3d& sensed_N, std::uint64_t samples) noexcept {
+                                const Eigen::Vector3d& sensed_N, const Eigen::Vector3d& held_force_N,
+                                std::uint64_t samples) noexcept {
   if (!started_) {
     last_tip_ = state.tip_m;
     for (std::size_t i = 0; i < kMaxMotors; ++i) encoders_[i].counts = reading.encoder_counts[i];
@@ -97,6 +102,7 @@ FaultEvent MotionMonitor::check(const Reading& reading, const control::Mechanism
   FaultEvent event = check_motion(state, std::max<std::uint64_t>(samples, 1));
   if (event.fault == Fault::none) event = check_sensors(reading, way_m);
   if (event.fault == Fault::none) event = check_encoders(reading, state, sensed_N);
+  if (event.fault == Fault::none) event = check_forces(sensed_N, held_force_N);
   last_tip_ = state.tip_m;
   return event;
 }
@@ -154,13 +160,15 @@ FaultEvent MotionMonitor::check_sensors(const Reading& reading, double tip_step_
 
 FaultEvent MotionMonitor::check_encoders(const Reading& reading, const control::MechanismState& state,
                                          const Eigen::Vector3d& sensed_N) noexcept {
+  const bool sensor_at_end = channels_[0].at_end + channels_[1].at_end + channels_[2].at_end > 0;
   for (std::size_t i = 0; i < description_.motor_count; ++i) {
     Encoder& encoder = encoders_[i];
     const auto column = state.jacobian.col(static_cast<Eigen::Index>(i));
     const double lever_m = column.norm();
     if (!(lever_m > 1e-3)) continue;
     const double along_N = column.dot(sensed_N) / lever_m;
-    if (encoder.unchanged == 0 || reading.encoder_counts[i] != encoder.counts) {
+    // A sensor at the end of its range says nothing about force.
+    if (sensor_at_end || encoder.unchanged == 0 || reading.encoder_counts[i] != encoder.counts) {
       encoder = {reading.encoder_counts[i], along_N, along_N, 1};
       continue;
     }
@@ -171,6 +179,17 @@ FaultEvent MotionMonitor::check_encoders(const Reading& reading, const control::
     if (encoder.unchanged > kStuckSamples && change_N > limits_.stuck_force_N) {
       return found(Fault::encoder_stuck, change_N, limits_.stuck_force_N);
     }
+  }
+  return {};
+}
+
+FaultEvent MotionMonitor::check_forces(const Eigen::Vector3d& sensed_N, const Eigen::Vector3d& held_force_N) noexcept {
+  if (description_.analog_input_count < 3 || channels_[0].at_end + channels_[1].at_end + channels_[2].at_end > 0) {
+    return {};
+  }
+  mismatch_N_ = mismatch_pole_ * mismatch_N_ + (1.0 - mismatch_pole_) * (sensed_N - held_force_N);
+  if (mismatch_N_.norm() > limits_.mismatch_force_N) {
+    return found(Fault::force_mismatch, mismatch_N_.norm(), limits_.mismatch_force_N);
   }
   return {};
 }

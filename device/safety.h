@@ -22,7 +22,8 @@ struct SafetyLimits {
   double energy_J = 0.5;             ///< that the wall may give beyond what it received
   int watchdog_samples = 20;
   double ramp_s = 0.05;
-  double stuck_force_N = 2.0;  ///< change of sensed force that must move an encoder
+  double stuck_force_N = 2.0;     ///< change of sensed force that must move an encoder
+  double mismatch_force_N = 2.0;  ///< between sensed and asked force, both below 2 Hz
   Eigen::Vector3d home_tip_m = Eigen::Vector3d::Zero();
 };
 
@@ -66,8 +67,9 @@ class MotionMonitor {
   void reset() noexcept;
 
   /// One fresh reading, `samples` periods after the one before. Returns the first fault found, with value and limit.
+  /// `held_force_N` is the force the motors were asked for since.
   FaultEvent check(const Reading& reading, const control::MechanismState& state, const Eigen::Vector3d& sensed_N,
-                   std::uint64_t samples) noexcept;
+                   const Eigen::Vector3d& held_force_N, std::uint64_t samples) noexcept;
   /// Tip velocity through a 100 Hz first-order low-pass.
   const Eigen::Vector3d& velocity_m_per_s() const noexcept { return velocity_; }
 
@@ -77,15 +79,19 @@ class MotionMonitor {
   FaultEvent check_encoders(const Reading& reading, const control::MechanismState& state,
                             const Eigen::Vector3d& sensed_N) noexcept;
 
+  FaultEvent check_forces(const Eigen::Vector3d& sensed_N, const Eigen::Vector3d& held_force_N) noexcept;
+
   SafetyLimits limits_;
   DeviceDescription description_;
   double sample_time_s_;
   double velocity_pole_;
   double acceleration_pole_;
+  double mismatch_pole_;
   bool started_ = false;
   Eigen::Vector3d last_tip_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d acceleration_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d mismatch_N_ = Eigen::Vector3d::Zero();
 
   struct Channel {
     std::uint32_t code = 0;

@@ -28,10 +28,12 @@ class FakeMechanism final : public control::Mechanism {
 };
 
 /// A mass held by a hand (spring and damper to a rest, and a push) on each of three axes, behind encoders, DAC and ADC.
-/// Integrated at 1/50 of the sample by the symplectic Euler rule. Row 0 is pushed.
+/// Integrated at 1/50 of the sample by the symplectic Euler rule. One row is pushed, and all may sway.
 class FakePlant final : public Device {
  public:
   double mass_kg = 0.1, hand_k = 200.0, hand_b = 3.0, push_N = 2.0;
+  std::size_t push_row = 0;
+  double sway_N = 0.0;  ///< of 1.5, 2 and 2.5 Hz on the three axes
 
   FakePlant() {
     description_.encoder_rad_per_count.fill(2.0 * std::numbers::pi / 4096.0);
@@ -62,7 +64,7 @@ class FakePlant final : public Device {
       const double q = x_[i] / FakeMechanism::kLever_m - description_.encoder_zero_rad[i];
       reading.encoder_counts[i] = static_cast<std::int32_t>(
           std::llround(q * description_.transmission_ratio[i] / description_.encoder_rad_per_count[i]));
-      const double sensed = hand_k * x_[i] + hand_b * v_[i] - (i == 0 ? push_N : 0.0) + 0.003 * noise();
+      const double sensed = hand_k * x_[i] + hand_b * v_[i] - push(i) + 0.003 * noise();
       reading.adc_codes[i] = adc(sensed / description_.analog_N_per_V[i]);
     }
     reading.adc_codes[3] = adc(1.0 / description_.analog_N_per_V[3]);
@@ -77,7 +79,7 @@ class FakePlant final : public Device {
       const double force = (torque - (i == 1 ? 0.05 : 0.0)) / FakeMechanism::kLever_m;
       force_N[i] = torque / FakeMechanism::kLever_m;
       for (int k = 0; k < kSubsteps; ++k) {
-        const double a = (force + (i == 0 ? push_N : 0.0) - hand_k * x_[i] - hand_b * v_[i]) / mass_kg;
+        const double a = (force + push(i) - hand_k * x_[i] - hand_b * v_[i]) / mass_kg;
         v_[i] += a * 1e-3 / kSubsteps;
         x_[i] += v_[i] * 1e-3 / kSubsteps;
       }
@@ -102,6 +104,11 @@ class FakePlant final : public Device {
   int stops = 0;
 
  private:
+  double push(std::size_t i) const {
+    const double rate_Hz = 1.5 + 0.5 * static_cast<double>(i);
+    const double phase = 2.0 * std::numbers::pi * rate_Hz * static_cast<double>(sample_) * 1e-3;
+    return (i == push_row ? push_N : 0.0) + sway_N * std::sin(phase);
+  }
   static std::uint32_t adc(double volts) {
     const double code = std::round((volts + 10.0) / 20.0 * 65535.0);
     return static_cast<std::uint32_t>(std::clamp(code, 0.0, 65535.0));
