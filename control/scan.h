@@ -75,7 +75,16 @@ void minima_on_grid(std::span<const double> grid, F&& f, Found&& found) {
     const double here = f(grid[i]);
     if (!(here <= f(grid[i - 1]) && here <= f(grid[i + 1]))) continue;
     std::uintmax_t most = 200;
-    found(boost::math::tools::brent_find_minima(f, grid[i - 1], grid[i + 1], 52, most).first);
+    auto [x, value] = boost::math::tools::brent_find_minima(f, grid[i - 1], grid[i + 1], 52, most);
+    // near instability the minimum is far narrower than its own square root of rounding: the vertex of parabolas
+    // through points beyond it finds it to the last digits
+    for (const double reach : {1e-5, 1e-6, 1e-7, 1e-8}) {
+      const double h = reach * x, left = f(x - h), right = f(x + h), bend = left - 2 * value + right;
+      if (!(bend > 0)) continue;
+      const double vertex = x + 0.5 * h * (left - right) / bend, there = f(vertex);
+      if (there < value) x = vertex, value = there;
+    }
+    found(x);
   }
 }
 
