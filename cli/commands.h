@@ -7,6 +7,7 @@
 namespace handloop::cli {
 
 void add_arm_command(CLI::App& program);
+void add_completion_command(CLI::App& program);
 void add_margins_command(CLI::App& program);
 void add_uncertainty_command(CLI::App& program);
 

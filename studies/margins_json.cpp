@@ -1,22 +1,12 @@
 #include "studies/margins_json.h"
 
 #include <cmath>
-#include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "models/errors.h"
 
 namespace handloop::studies {
 
 using nlohmann::ordered_json;
-
-ordered_json json_number(double value) {
-  if (std::isnan(value)) return nullptr;
-  if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
-  return value;
-}
 
 ordered_json to_json(const control::Margins& m) {
   ordered_json j;
@@ -49,24 +39,6 @@ ordered_json to_json(const control::TransferMargins& result) {
   j["poles"] = ordered_json::array();
   for (const auto& p : result.poles) j["poles"].push_back({json_number(p.real()), json_number(p.imag())});
   return j;
-}
-
-void write_json(const ordered_json& json, const std::string& target) {
-  const std::string text = json.dump(2) + "\n";
-  if (target == "-") {
-    std::fwrite(text.data(), 1, text.size(), stdout);
-    return;
-  }
-  const std::string staged = target + ".partial";
-  std::ofstream out(staged, std::ios::binary);
-  out << text;
-  out.close();
-  std::error_code error;
-  if (out) std::filesystem::rename(staged, target, error);
-  if (!out || error) {
-    std::filesystem::remove(staged, error);
-    throw InputError(target + ": cannot be written; give a path of a file in a folder that may be written to");
-  }
 }
 
 }  // namespace handloop::studies

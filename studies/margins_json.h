@@ -4,6 +4,7 @@
 #include <string>
 
 #include "control/transfer_loop.h"
+#include "io/json.h"
 
 /// Margins in the machine form of CONTRACT.md: infinity is the string "inf", a margin of an unstable loop null.
 namespace handloop::studies {
@@ -15,11 +16,7 @@ nlohmann::ordered_json to_json(const control::Margins& margins);
 /// The same of a transfer function, with its closed-loop poles.
 nlohmann::ordered_json to_json(const control::TransferMargins& margins);
 
-/// A number as the contract writes it: "inf", "-inf", null for NaN.
-nlohmann::ordered_json json_number(double value);
-
-/// To a file, whole or not at all, or to standard output where the name is "-". Throws InputError where it cannot be
-/// written.
-void write_json(const nlohmann::ordered_json& json, const std::string& target);
+using io::json_number;
+using io::write_json;
 
 }  // namespace handloop::studies
