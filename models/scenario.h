@@ -50,6 +50,8 @@ enum class ForceSensedAt { grip, flange };
 struct ArmSettings {
   bool attached = true;
   std::array<ArmParameters, 3> axes;  ///< by Axis; nominal (Table II) unless the file says otherwise
+  /// A hand that is one with the stylus (base model `msd`): takes the place of the arm of that axis.
+  std::array<std::optional<MsdParameters>, 3> rigid;
   std::vector<std::pair<Axis, EffectPtr>> effects;
   ForceSensedAt force_sensed_at = ForceSensedAt::grip;
   double grip_force_N = 2.0;

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "models/arm.h"
-#include "models/effects/effect.h"
+#include "models/axis_model.h"
+#include "models/scenario.h"
 #include "sim/delay_line.h"
 #include "sim/exponential_step.h"
 
@@ -29,16 +29,17 @@ struct AxisReaction {
   double grasp_N = 0.0;
 };
 
-/// The five-parameter arm of one axis with its force effects, as a system the stylus drives: stylus motion in, reaction
-/// out. Integrated in the stages of a fourth-order Runge-Kutta step so that it can share every stage with MuJoCo; its
-/// linear part is exact (exponential_step.h). With a massless stylus all force passes the grasp. After construction
-/// nothing allocates, locks or throws.
+/// The arm of one axis with its force effects, as a system the stylus drives: stylus motion in, reaction out. The
+/// five-parameter arm is integrated in the stages of a fourth-order Runge-Kutta step so that it can share every stage
+/// with MuJoCo; its linear part is exact (exponential_step.h). With a massless stylus all force passes the grasp. A
+/// rigid hand
+/// (`msd`) has no motion of its own. After construction nothing allocates, locks or throws.
 class ArmAxis {
  public:
-  /// Effects acting on signals are ignored here. attached = false: nothing holds the stylus, only effects between
-  /// stylus and ground act.
-  ArmAxis(const models::ArmParameters& arm, const std::vector<models::EffectPtr>& effects, double step_s,
-          bool attached);
+  /// Effects acting on signals are ignored here. Where the scenario attaches no arm, only effects between stylus and
+  /// ground act.
+  ArmAxis(const models::ArmSettings& settings, models::Axis axis, const std::vector<models::EffectPtr>& effects,
+          double step_s);
 
   void reset();
   /// Remembers the motion at the beginning of a step, for effects that feel it late.
@@ -67,8 +68,9 @@ class ArmAxis {
   models::PortMotion port(const Acting& acting, const AxisMotion& motion) const;
   std::span<const double> states_of(const Acting& acting) const;
 
-  models::ArmParameters arm_;
-  bool attached_;
+  enum class Kind { none, arm, rigid };
+  models::AxisModel model_;
+  Kind kind_;
   double step_s_;
   ExponentialStep exponential_;
   std::vector<Acting> effects_;
@@ -77,10 +79,5 @@ class ArmAxis {
   std::vector<double> effect_start_, effect_state_;
   std::vector<double> effect_rates_[4];
 };
-
-/// Fastest rate (1/s) that an explicit step has to follow where this arm holds a stylus of the given mass: grasp
-/// against stylus, and the effects at small motion. The linear arm behind the grasp does not count: it is exact.
-double fastest_rate(const models::ArmParameters& arm, const std::vector<models::EffectPtr>& effects,
-                    double stylus_mass_kg);
 
 }  // namespace handloop::sim

@@ -60,7 +60,8 @@ struct PlantTruth {
   std::array<double, 3> tip_m{};  ///< grip, from where it was at the pose
   std::array<double, 3> tip_m_per_s{};
   std::array<double, 3> hand_force_N{};     ///< through the grasp, on the hand
-  std::array<double, 3> flange_force_N{};   ///< through the force sensor's place, on stylus and hand; only where sensed
+  std::array<double, 3> flange_force_N{};   ///< through the device's flange, on stylus and hand; gravity tared; only
+                                            ///< where a scenario senses it
   std::array<double, 3> arm_mass_m{};       ///< of the arm's mass, from its rest
   double grip_force_N = 0.0;                ///< pinch on the stylus
   std::array<double, kMotors> joint_rad{};  ///< by motor
@@ -89,15 +90,17 @@ class PhantomPlant {
 
   /// The present sample, number 0 at the start. Real-time safe; may be asked more than once.
   PlantReading read() const noexcept;
-  /// Takes the command of the present sample and moves on by one sample time. The command acts delay_samples of the
-  /// scenario's loop later (0: at once), held for one sample; before the first arrives the current is zero.
-  /// Real-time safe: neither allocates, locks nor throws.
+  /// Takes the command of the present sample, holds it and moves on by one sample time. The plant has no delay of its
+  /// own: the loop's delay belongs to whoever closes it. Real-time safe: neither allocates, locks nor throws.
   void advance(const PlantCommand& command) noexcept;
   /// Back to the first sample. Real-time safe.
   void reset() noexcept;
 
   /// Real-time safe.
   PlantTruth truth() const noexcept;
+
+  /// Kinetic energy of device and arms and what the arms' springs hold, J; gravity and effects left out.
+  double energy_J();
 
   /// For drawing: the MuJoCo model and data with the person's picture and the wall posed as of now. The data is scratch
   /// of this plant: read it between calls of advance(), on the same thread.

@@ -146,6 +146,7 @@ PhantomScene load_phantom(const models::DeviceSettings& settings, bool with_visu
   scene.wall_mocap = mocap("wall");
   scene.upper_link_m = model->body_pos[3 * id(model, mjOBJ_BODY, "forearm")];
   scene.forearm_m = -model->site_pos[3 * scene.tip_site + 2];
+  scene.crank_m = -model->body_pos[3 * id(model, mjOBJ_BODY, "coupler") + 2];
   scene.stylus_mass_kg = settings.stylus_mass_kg;
   set_stylus_mass(model, settings.stylus_mass_kg);
   if (settings.counterbalanced) add_counterweight(model, settings.stylus_mass_kg, scene.upper_link_m);

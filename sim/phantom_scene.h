@@ -18,6 +18,7 @@ struct PhantomScene {
   int hand_mocap = 0, lower_arm_mocap = 0, upper_arm_mocap = 0, wall_mocap = 0;
   double upper_link_m = 0.0;  ///< l1
   double forearm_m = 0.0;     ///< l2
+  double crank_m = 0.0;       ///< l3
   double stylus_mass_kg = 0.0;
   std::array<double, 3> rotor_kg_m2{};  ///< at the joint, split from the links where the structure is elastic
 };

@@ -73,8 +73,7 @@ Worst distance_from_eq1(models::Scenario scenario, Axis axis) {
 
 void expect_eq1(const models::Scenario& scenario, Axis axis, const char* what) {
   const auto worst = distance_from_eq1(scenario, axis);
-  if (std::getenv("HANDLOOP_SHOW_RESIDUALS") != nullptr)
-    std::printf("%s: %.4f dB %.4f deg\n", what, worst.dB, worst.deg);
+  if (std::getenv("HANDLOOP_RESIDUALS") != nullptr) std::printf("%s: %.4f dB %.4f deg\n", what, worst.dB, worst.deg);
   // worst of all: 0.0057 dB and 0.016 deg, most of it folding
   EXPECT_LT(worst.dB, 0.05) << what << " " << models::axis_name(axis);
   EXPECT_LT(worst.deg, 0.5) << what << " " << models::axis_name(axis);

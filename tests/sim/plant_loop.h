@@ -21,7 +21,6 @@ inline models::Scenario nominal_scenario() {
   }
   scenario.hand.push_N = 0.0;
   scenario.electronics.ideal = true;
-  scenario.loop.delay_samples = 0;
   return scenario;
 }
 
