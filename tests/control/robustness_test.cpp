@@ -73,7 +73,7 @@ TEST(Passivity, AbsolutelyStableWallsAreStableInEveryPassiveHand) {
   // at low frequency 2 b B/K^2 >= (1/2 + d)^2 T^2/2; and never more than Colgate and Schenkel allow
   EXPECT_LE(K, 2 * std::sqrt(b * 0.02) / 0.0015 * (1 + 1e-6));
   EXPECT_LT(K, colgate_permitted_stiffness(timing, 0.02, b));
-  ASSERT_GT(K, 50);
+  ASSERT_GT(K, 20);
   for (const double k : {1.0, 100.0, 1e5}) {
     for (const double damping : {1e-4, 1.0, 50.0}) {
       for (const double mass : {1e-3, 0.1, 10.0}) {
@@ -96,7 +96,7 @@ TEST(Population, ClopperPearsonIsThePublishedInterval) {
 
 TEST(Population, IsTheSameForAnyNumberOfThreads) {
   const models::ArmPopulation population(models::Axis::z);
-  const Loop loop{{0.075, 0.05, {}}, {}, {2500, 2}};
+  const Loop loop{{0.075, 0.05, {}}, {}, {1300, 2}};
   const auto one = population_margins(population, loop, 500, 3, 5, 1),
              four = population_margins(population, loop, 500, 3, 5, 4);
   EXPECT_EQ(one.stable.successes, four.stable.successes);
