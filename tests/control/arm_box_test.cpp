@@ -63,7 +63,9 @@ TEST(ArmBox, BoundsOfMuEncloseAndMeet) {
       }
       // how close the proof comes to the example (measured 1.02 to 1.05), unless the stretched box is cut where the arm
       // loses all damping: then the images of sampling cannot be bounded
-      if (1 / mu.lower < 2) EXPECT_LT(mu.upper / mu.lower, 1.1) << models::axis_name(axis) << ' ' << K;
+      if (1 / mu.lower < 2) {
+        EXPECT_LT(mu.upper / mu.lower, 1.1) << models::axis_name(axis) << ' ' << K;
+      }
     }
   }
 }
