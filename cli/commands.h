@@ -10,5 +10,7 @@ void add_arm_command(CLI::App& program);
 void add_completion_command(CLI::App& program);
 void add_margins_command(CLI::App& program);
 void add_uncertainty_command(CLI::App& program);
+void add_plant_command(CLI::App& program);
+void add_run_command(CLI::App& program);
 
 }  // namespace handloop::cli

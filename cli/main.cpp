@@ -61,6 +61,8 @@ int main(int argc, char** argv) {
       "Example: handloop arm show --axis x --grip nominal\nEach command explains itself: handloop COMMAND --help");
   handloop::cli::add_arm_command(program);
   handloop::cli::add_margins_command(program);
+  handloop::cli::add_plant_command(program);
+  handloop::cli::add_run_command(program);
   handloop::cli::add_uncertainty_command(program);
   handloop::cli::add_completion_command(program);
   const int code = run(program, argc, argv);

@@ -54,7 +54,9 @@ void SimDevice::start() {
   stopped_ = false;
 }
 
-Reading SimDevice::read() { return to_reading(plant_.read(), description_.sample_time_s); }
+Reading SimDevice::read() {
+  return to_reading(plant_.read(), description_.sample_time_s);
+}
 
 bool SimDevice::write(const Command& command) {
   sim::PlantCommand to_plant;
@@ -64,6 +66,8 @@ bool SimDevice::write(const Command& command) {
   return true;
 }
 
-void SimDevice::stop() { stopped_ = true; }
+void SimDevice::stop() {
+  stopped_ = true;
+}
 
 }  // namespace handloop::device

@@ -5,8 +5,8 @@
 
 namespace handloop::device {
 
-/// The simulated plant as a device: lock-step, virtual time, one plant sample for each write. read() is repeatable until
-/// write() moves on.
+/// The simulated plant as a device: lock-step, virtual time, one plant sample for each write. read() is repeatable
+/// until write() moves on.
 class SimDevice final : public Device {
  public:
   /// The plant is that of the scenario without its loop delay, which the loop itself carries out.

@@ -1,0 +1,57 @@
+#include "device/open_device.h"
+
+#include <array>
+#include <string_view>
+
+#include "device/replay_device.h"
+#include "device/sim_device.h"
+#include "device/wire/wire_device.h"
+#include "io/scenario_file.h"
+#include "models/errors.h"
+#include "models/suggest.h"
+
+namespace handloop::device {
+namespace {
+
+DeviceDescription simulated_description(const models::Scenario& scenario) {
+  return describe(sim::PhantomPlant(plant_scenario(scenario)).description(), scenario);
+}
+
+}  // namespace
+
+std::unique_ptr<Device> open_device(const std::string& address, const OpenOptions& options) {
+  const std::string_view text = address;
+  const auto after = [&](std::string_view prefix) { return std::string(text.substr(prefix.size())); };
+  if (options.key && !text.starts_with("udp://")) throw InputError("--key is only for --device udp://HOST:PORT");
+  if (text == "sim") return std::make_unique<SimDevice>(options.scenario);
+  if (text.starts_with("udp://")) {
+    wire::WireOptions wire;
+    wire.plant = wire::parse_address(after("udp://"), "--device");
+    wire.scenario_hash = plant_hash(options.scenario);
+    wire.seed = options.scenario.run.seed;
+    wire.lock_step = !options.realtime;
+    if (options.key) wire.key.emplace(wire::read_key_file(*options.key));
+    return std::make_unique<wire::WireDevice>(simulated_description(options.scenario), std::move(wire));
+  }
+  if (text.starts_with("replay:")) {
+    return std::make_unique<ReplayDevice>(simulated_description(options.scenario), options.scenario, after("replay:"));
+  }
+  constexpr std::array<std::string_view, 4> kKnown{"sim", "udp://HOST:PORT", "comedi", "replay:FILE"};
+  throw InputError("--device '" + address + "' is not known" + suggestion(address, kKnown));
+}
+
+std::uint64_t plant_hash(models::Scenario scenario) {
+  const models::Scenario usual;
+  scenario.name = usual.name;
+  scenario.description = usual.description;
+  const double sample_time_s = scenario.loop.sample_time_s;
+  scenario.loop = usual.loop;
+  scenario.loop.sample_time_s = sample_time_s;
+  scenario.wall = usual.wall;
+  scenario.safety = usual.safety;
+  scenario.run.duration_s = usual.run.duration_s;
+  scenario.run.seed = usual.run.seed;
+  return wire::text_hash(io::to_toml(scenario));
+}
+
+}  // namespace handloop::device

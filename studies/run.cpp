@@ -1,0 +1,173 @@
+#include "studies/run.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <memory>
+
+#include "control/controllers/phantom_mechanism.h"
+#include "control/controllers/virtual_wall.h"
+#include "device/fault_injection.h"
+#include "device/live_loop.h"
+#include "device/open_device.h"
+#include "device/realtime.h"
+#include "device/replay_device.h"
+#include "device/wire/wire_device.h"
+#include "io/output.h"
+#include "models/errors.h"
+#include "studies/run_report.h"
+#include "studies/run_stability.h"
+
+namespace handloop::studies {
+namespace {
+
+namespace fs = std::filesystem;
+using device::Fault;
+constexpr double kEvidence_s = 2.0;
+
+/// Passes records on and keeps what judge and pictures need. Takes memory in the loop's thread, so in real time what it
+/// needs is reserved before.
+class Observer final : public device::Recorder {
+ public:
+  Observer(device::Recorder& inner, StabilityJudge& judge, RunTrace& trace, int row, double home_m)
+      : inner_(inner), judge_(judge), trace_(trace), row_(row), home_m_(home_m) {}
+  bool take(const device::StepRecord& record) noexcept override {
+    judge_.add(record);
+    trace_.add(record, row_, home_m_);
+    return inner_.take(record);
+  }
+  bool finish() noexcept override { return inner_.finish(); }
+
+ private:
+  device::Recorder& inner_;
+  StabilityJudge& judge_;
+  RunTrace& trace_;
+  int row_;
+  double home_m_;
+};
+
+void reserve(RunTrace& trace, std::size_t samples) {
+  for (auto* signal :
+       {&trace.time_s, &trace.position_m, &trace.wanted_N, &trace.written_N, &trace.sensed_N, &trace.energy_J}) {
+    signal->reserve(samples);
+  }
+}
+
+void write_evidence(const fs::path& path, const device::BlackBox& box, const device::LogFormat& format) {
+  device::LogFile file(path, format, 1000);
+  for (std::size_t i = 0; i < box.size(); ++i) file.add(box[i]);
+  file.close();
+}
+
+/// Where the disk is full, at least what was logged gets its place, without asking for more room than a rename needs.
+void rescue_log(const fs::path& staged, const fs::path& out) {
+  std::error_code error;
+  fs::create_directories(out, error);
+  fs::rename(staged, out / "log.csv", error);
+}
+
+std::vector<std::string> notes_about(const device::Device& device) {
+  std::vector<std::string> notes;
+  if (const auto* replay = dynamic_cast<const device::ReplayDevice*>(&device); replay && replay->has_commands()) {
+    notes.push_back(fmt::format("{} of {} commands differ from those in the recording", replay->different_commands(),
+                                replay->samples()));
+  }
+  if (const auto* wire = dynamic_cast<const device::wire::WireDevice*>(&device)) {
+    const auto& c = wire->counters();
+    notes.push_back(
+        fmt::format("wire: {} packets sent, {} received; {} lost, {} doubled, {} reordered, {} refused, {} sent again",
+                    c.sent, c.received, c.lost, c.doubled, c.reordered, c.refused(), c.sent_again));
+  }
+  return notes;
+}
+
+std::uint64_t step_count(const device::Device& device, double duration_s) {
+  const double steps = std::round(duration_s / device.description().sample_time_s);
+  if (!(steps >= 1.0) || steps > 1e10) {
+    throw InputError(fmt::format("--duration {} s is not possible; give at least one sample time ({} s)", duration_s,
+                                 device.description().sample_time_s));
+  }
+  auto count = static_cast<std::uint64_t>(steps);
+  if (const auto* replay = dynamic_cast<const device::ReplayDevice*>(&device)) {
+    count = std::min(count, replay->samples());
+  }
+  return count;
+}
+
+}  // namespace
+
+std::string describe(const device::FaultEvent& fault) {
+  const auto& info = device::fault_info(fault.fault);
+  std::string text = fmt::format("fault {}: {}", info.name, info.meaning);
+  if (!info.unit.empty())
+    text += fmt::format(" ({:.4g} {} where {:.4g} is allowed)", fault.value, info.unit, fault.limit);
+  return text + fmt::format(" at {:.3f} s", static_cast<double>(fault.time_ns) * 1e-9);
+}
+
+RunOutcome run(const RunOptions& options) {
+  const models::Scenario& scenario = options.scenario;
+  const auto mechanism = control::make_mechanism(scenario.device);
+  const Eigen::Vector3d home = mechanism->at(device::pose_rad(scenario)).tip_m;
+  control::VirtualWall wall = control::make_virtual_wall(scenario, home);
+
+  const auto bare = device::open_device(options.device, {scenario, options.realtime, options.key});
+  std::unique_ptr<device::FaultyDevice> faulty;
+  if (!options.inject.empty()) {
+    const auto injection = device::parse_injection(options.inject);
+    faulty = std::make_unique<device::FaultyDevice>(*bare, injection.name, injection.from_sample);
+  }
+  device::Device& device = faulty ? static_cast<device::Device&>(*faulty) : *bare;
+  device::Loop loop(device::loop_config(scenario, home), device.description(), *mechanism, wall);
+
+  device::SessionOptions session;
+  session.steps = step_count(*bare, scenario.run.duration_s);
+  session.paced = options.realtime;
+  session.stop = options.stop;
+
+  io::OutputDirectory directory(options.out);
+  const device::LogFormat format{scenario.wall.axis, home};
+  const int row = models::device_row(scenario.wall.axis);
+  RunOutcome outcome;
+  RunTrace trace;
+  StabilityJudge judge(session.steps, device.description().sample_time_s, scenario.hand.disturbance_N > 0.0);
+  device::BlackBox black_box(kEvidence_s, device.description().sample_time_s);
+  {
+    device::LogFile log(directory / "log.csv", format);
+    std::unique_ptr<device::Recorder> writer;
+    const bool paced = options.realtime || !device.lock_step();
+    if (paced) {
+      writer = std::make_unique<device::ThreadedRecorder>(log);
+      reserve(trace, session.steps);
+      auto grant = device::request_realtime();
+      outcome.realtime_refused = std::move(grant.refused);
+    } else {
+      writer = std::make_unique<device::DirectRecorder>(log);
+    }
+    Observer observer(*writer, judge, trace, row, home[row]);
+    device::MonotonicClock clock;
+    outcome.session = run_session(device, loop, observer, black_box, clock, session);
+    if (paced) device::release_realtime();
+    writer->finish();
+    if (log.failed()) outcome.log_error = log.error();
+  }
+
+  outcome.device = bare->name();
+  outcome.why_unstable = judge.verdict();
+  outcome.stable = outcome.why_unstable.empty();
+  outcome.duration_s = static_cast<double>(outcome.session.steps) * device.description().sample_time_s;
+  outcome.sim_steps_per_s = static_cast<double>(outcome.session.steps) / std::max(outcome.session.wall_time_s, 1e-9);
+  outcome.real_time_factor = outcome.duration_s / std::max(outcome.session.wall_time_s, 1e-9);
+  outcome.notes = notes_about(*bare);
+  if (faulty) outcome.notes.push_back("broken on purpose: " + options.inject);
+  if (!outcome.log_error.empty()) {
+    rescue_log(directory / "log.csv", directory.target());
+    return outcome;
+  }
+  if (outcome.session.fault.fault != Fault::none) write_evidence(directory / "fault.csv", black_box, format);
+  io::write_file_atomically(directory / "summary.json", run_summary_json(options, outcome));
+  write_run_report(directory / "report.html", options, outcome, trace);
+  directory.commit();
+  return outcome;
+}
+
+}  // namespace handloop::studies
