@@ -57,14 +57,15 @@ int main(int argc, char** argv) {
   CLI::App program{"handloop: a simulated human hand in the loop of a haptic device"};
   program.set_version_flag("--version", HANDLOOP_VERSION);
   program.require_subcommand(1);
-  program.footer(
-      "Example: handloop arm show --axis x --grip nominal\nEach command explains itself: handloop COMMAND --help");
   handloop::cli::add_arm_command(program);
   handloop::cli::add_margins_command(program);
   handloop::cli::add_plant_command(program);
   handloop::cli::add_run_command(program);
   handloop::cli::add_uncertainty_command(program);
   handloop::cli::add_completion_command(program);
+  // After the commands, which would inherit it.
+  program.footer(
+      "Example: handloop arm show --axis x --grip nominal\nEach command explains itself: handloop COMMAND --help");
   const int code = run(program, argc, argv);
   // What went to standard output counts as written only once it is: a full disk must not pass for success.
   if ((std::fflush(stdout) != 0 || std::ferror(stdout) != 0) && code == 0) {

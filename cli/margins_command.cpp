@@ -111,6 +111,7 @@ void add_margins_command(CLI::App& program) {
   command->add_option("--delay", options->delay_s, "seconds of dead time behind a continuous --num and --den");
   command->add_option("--json", options->json, "machine form to this file, or - for standard output");
   command->add_option("--jobs", options->jobs, "threads (default: all cores)");
+  command->footer("Example: handloop margins --num 25 --den 1,10,10,10 --json -");
   command->callback([options] { run(*options); });
 }
 

@@ -13,6 +13,12 @@ if(HANDLOOP_SANITIZE)
   add_compile_options(-fsanitize=${HANDLOOP_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${HANDLOOP_SANITIZE})
 endif()
+if(HANDLOOP_BUILD_FUZZERS)
+  if(NOT CMAKE_CXX_COMPILER_ID MATCHES "Clang")
+    message(FATAL_ERROR "HANDLOOP_BUILD_FUZZERS needs clang: cmake --preset fuzz")
+  endif()
+  add_compile_options(-fsanitize=fuzzer-no-link)
+endif()
 # Results must be the same bits on every machine: no contraction into fused multiply-add.
 add_compile_options(-ffp-contract=off)
 

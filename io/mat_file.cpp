@@ -2,12 +2,16 @@
 
 #include <fmt/format.h>
 #include <matio.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <memory>
 
 #include "io/mapped_file.h"
+#include "io/mat_elements.h"
 #include "io/output.h"
 #include "models/errors.h"
 
@@ -67,38 +71,51 @@ std::vector<double> to_doubles(const matvar_t& variable, std::size_t count) {
   }
 }
 
-bool is_numeric(const matvar_t& variable) {
-  return variable.class_type >= MAT_C_DOUBLE && variable.class_type <= MAT_C_UINT64;
-}
+/// Bytes as a file that exists in memory only.
+class MemoryFile {
+ public:
+  explicit MemoryFile(const std::string& bytes) : descriptor_(::memfd_create("handloop.mat", MFD_CLOEXEC)) {
+    for (std::size_t done = 0; done < bytes.size();) {
+      const auto written = ::write(descriptor_, bytes.data() + done, bytes.size() - done);
+      if (written < 0 && errno == EINTR) continue;
+      if (written <= 0) throw InputError("not enough memory to read a MATLAB file");
+      done += static_cast<std::size_t>(written);
+    }
+  }
+  ~MemoryFile() { ::close(descriptor_); }
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
+  std::string path() const { return fmt::format("/proc/self/fd/{}", descriptor_); }
+
+ private:
+  int descriptor_;
+};
 
 }  // namespace
 
 std::vector<MatVector> read_mat_vectors(const std::filesystem::path& path) {
   silence_library();
-  std::size_t file_size = 0;
-  {
-    const MappedFile file(path);  // says why a file cannot be read
-    file_size = file.bytes().size();
-    if (!file.bytes().starts_with("MATLAB 5.0 MAT-file")) {
-      throw InputError(fmt::format("{}: is not a MATLAB file of version 5; save with -v6 or -v7", path.string()));
-    }
+  const MappedFile original(path);  // says why a file cannot be read
+  if (!original.bytes().starts_with("MATLAB 5.0 MAT-file")) {
+    throw InputError(fmt::format("{}: is not a MATLAB file of version 5; save with -v6 or -v7", path.string()));
   }
-  const MatFile file(Mat_Open(path.c_str(), MAT_ACC_RDONLY));
+  std::string damaged;
+  const MemoryFile sound(detail::sound_vectors_only(original.bytes(), damaged));
+  if (!damaged.empty()) {
+    throw InputError(fmt::format("{}: is damaged{}; save it again", path.string(),
+                                 damaged == "file" ? "" : " at vector " + damaged));
+  }
+  const MatFile file(Mat_Open(sound.path().c_str(), MAT_ACC_RDONLY));
   if (!file || Mat_GetVersion(file.get()) != MAT_FT_MAT5) {
-    throw InputError(fmt::format("{}: is damaged: its header cannot be read", path.string()));
+    throw InputError(fmt::format("{}: is damaged: its header cannot be read; save it again", path.string()));
   }
   std::vector<MatVector> vectors;
   while (const MatVariable variable{Mat_VarReadNextInfo(file.get())}) {
-    if (variable->name == nullptr || !is_numeric(*variable) || variable->isComplex != 0) continue;
-    if (variable->rank != 2 || std::min(variable->dims[0], variable->dims[1]) != 1) continue;
+    if (variable->name == nullptr || variable->rank != 2) continue;
     const auto count = std::max(variable->dims[0], variable->dims[1]);
-    if (count < 2) continue;
-    // Deflate cannot shrink by more than about 1032: a larger claim is damage, not data.
-    if (count > file_size * 1100)
-      throw InputError(fmt::format("{}: is damaged at vector {}", path.string(), variable->name));
     if (Mat_VarReadDataAll(file.get(), variable.get()) != 0 || variable->data == nullptr ||
         variable->nbytes != count * static_cast<std::size_t>(variable->data_size)) {
-      throw InputError(fmt::format("{}: is damaged at vector {}", path.string(), variable->name));
+      throw InputError(fmt::format("{}: is damaged at vector {}; save it again", path.string(), variable->name));
     }
     vectors.push_back({variable->name, to_doubles(*variable, count)});
   }
@@ -108,9 +125,9 @@ std::vector<MatVector> read_mat_vectors(const std::filesystem::path& path) {
 
 void write_mat_vectors(const std::filesystem::path& path, const std::vector<MatVector>& vectors) {
   silence_library();
-  const auto staged = path.string() + ".part";
+  const MemoryFile memory("");
   {
-    const MatFile file(Mat_CreateVer(staged.c_str(), "MATLAB 5.0 MAT-file, written by handloop", MAT_FT_MAT5));
+    const MatFile file(Mat_CreateVer(memory.path().c_str(), "MATLAB 5.0 MAT-file, written by handloop", MAT_FT_MAT5));
     if (!file) throw InputError(fmt::format("{}: cannot be written", path.string()));
     for (const auto& vector : vectors) {
       std::array<std::size_t, 2> dims{vector.values.size(), 1};
@@ -122,7 +139,7 @@ void write_mat_vectors(const std::filesystem::path& path, const std::vector<MatV
       }
     }
   }
-  std::filesystem::rename(staged, path);
+  write_file_atomically(path, MappedFile(memory.path()).bytes());
 }
 
 }  // namespace handloop::io

@@ -223,6 +223,37 @@ TEST_F(RecordingFile, IsReadFromMatlabVectors) {
   EXPECT_NE(message(write("d.mat", bytes.substr(0, bytes.size() / 2)), {}), "");
 }
 
+TEST(Recording, NumbersAreReadToTheLastBit) {
+  // Against the C library, for the short cut of plain decimals and for all the rest.
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> exponent(-12, 6);
+  std::string text = "force,position\n";
+  std::vector<double> expected;
+  char line[128], number[64];
+  for (int i = 0; i < 20000; ++i) {
+    const double value = (random() % 2 == 0 ? 1 : -1) * std::pow(10, exponent(random));
+    const char* const formats[] = {"%.3f", "%.8f", "%.17g", "%g", "%.9e", "%.0f"};
+    std::snprintf(number, sizeof number, formats[random() % 6], value);
+    expected.push_back(std::strtod(number, nullptr));
+    std::snprintf(line, sizeof line, "%s,%d\n", number, i);
+    text += line;
+  }
+  EXPECT_EQ(parse_recording(text, "a.csv", {.rate_Hz = 1}).force_N, expected);
+}
+
+TEST_F(RecordingFile, MatlabFilesAreReadWhateverElseTheyHold) {
+  for (const auto* name : {"plain.mat", "compressed.mat"}) {
+    const auto recording =
+        read_recording(fs::path(HANDLOOP_SOURCE_DIR) / "fuzz/corpus/mat" / name, {.minimum_rows = 20});
+    EXPECT_EQ(recording.size(), 20U) << name;
+    EXPECT_EQ(recording.force_N[3], std::sin(1.0)) << name;  // the seed holds sin(i / 3)
+  }
+  const auto integers = read_mat_vectors(fs::path(HANDLOOP_SOURCE_DIR) / "fuzz/corpus/mat/integers.mat");
+  ASSERT_EQ(integers.size(), 2U);
+  EXPECT_EQ(integers[0].values, (std::vector<double>{1, 2, 3, 4}));
+  EXPECT_EQ(integers[1].values, (std::vector<double>{1, 2, 3, 4}));
+}
+
 TEST_F(RecordingFile, IsReadFastEnoughForTenMillionRows) {
   // The requirement is 150 MB/s on one core; here only a tenth is asked for, because other programs share the machine.
   std::string text = rows(400000);
