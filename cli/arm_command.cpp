@@ -250,6 +250,7 @@ void add_bode(CLI::App* arm) {
 void add_arm_command(CLI::App& program) {
   auto* arm = program.add_subcommand("arm", "The measured arms: show, sample and plot them");
   arm->require_subcommand(1);
+  arm->footer("Example: handloop arm show --axis x --grip nominal");
   add_show(arm);
   add_sample(arm);
   add_bode(arm);
