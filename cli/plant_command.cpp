@@ -45,6 +45,7 @@ void add_plant_command(CLI::App& program) {
   command->add_option("scenario", options->scenario, "Scenario file (default: the Phantom at a virtual wall)");
   command->add_option("--listen", options->listen, "HOST:PORT, or PORT on this machine only")->required();
   command->add_option("--key", options->key, "File with the key: take authenticated packets only");
+  command->footer("Example: handloop plant scenes/phantom_wall.toml --listen 127.0.0.1:5000");
   command->callback([options] { serve(*options); });
 }
 

@@ -82,6 +82,7 @@ void add_run_command(CLI::App& program) {
   command->add_option("--inject", options->inject, "Break the device on purpose: NAME or NAME@SAMPLE");
   command->add_flag("--list-faults", options->list_faults, "Names for --inject, and nothing else");
   command->add_option("--out", options->out, "Directory for log.csv, summary.json, report.html");
+  command->footer("Example: handloop run scenes/phantom_wall.toml --duration 5 --out out/run");
   command->callback([options] { run(*options); });
 }
 
