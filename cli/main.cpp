@@ -58,6 +58,7 @@ int main(int argc, char** argv) {
   program.set_version_flag("--version", HANDLOOP_VERSION);
   program.require_subcommand(1);
   handloop::cli::add_arm_command(program);
+  handloop::cli::add_demo_command(program);
   handloop::cli::add_margins_command(program);
   handloop::cli::add_plant_command(program);
   handloop::cli::add_run_command(program);
