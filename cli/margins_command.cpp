@@ -9,16 +9,23 @@
 #include <vector>
 
 #include "cli/commands.h"
+#include "cli/progress_bar.h"
 #include "control/transfer_loop.h"
+#include "io/scenario_file.h"
+#include "models/arm_population.h"
 #include "models/errors.h"
 #include "studies/margins_cases.h"
 #include "studies/margins_json.h"
+#include "studies/scenario_margins.h"
 
 namespace handloop::cli {
 namespace {
 
 struct Options {
-  std::string cases, out, json, num, den;
+  std::string cases, out, json, num, den, scenario, percentiles = "ecdf";
+  std::size_t arms = 2000;
+  std::uint64_t seed = 1;
+  bool quick = false;
   double sample_time_s = 0;
   double delay_s = 0;
   unsigned jobs = 0;
@@ -85,26 +92,52 @@ void run_transfer(const Options& options) {
   studies::write_json(studies::to_json(result), options.json);
 }
 
+void run_scenario(const Options& options) {
+  if (options.arms < 1) throw InputError("--arms: give one or more");
+  studies::ScenarioMarginsRequest request;
+  request.arms = options.arms;
+  request.seed = options.seed;
+  request.percentiles = models::parse_percentile_reading(options.percentiles);
+  request.permitted_stiffness = !options.quick;
+  request.jobs = options.jobs;
+  const auto scenario = io::read_scenario(options.scenario);
+  const auto result = studies::scenario_margins(scenario, request, progress_bar("margins"));
+  if (!options.out.empty()) studies::write_scenario_margins(result, request, options.out);
+  if (!options.json.empty()) studies::write_json(studies::to_json(result), options.json);
+  if (options.json != "-") fmt::print("{}", studies::to_text(result));
+}
+
 void run(const Options& options) {
+  const int asked = !options.cases.empty() + (!options.num.empty() || !options.den.empty()) + !options.scenario.empty();
+  if (asked != 1) {
+    throw InputError("margins: give one of --scenario FILE, --cases FILE.csv, or --num with --den");
+  }
   if (!options.cases.empty()) {
     if (options.out.empty()) throw InputError("margins --cases: say where the results go, --out FILE.csv");
     const auto rows = studies::margins_of_cases(std::filesystem::path(options.cases), options.out, options.jobs);
     fmt::print("{} loops to {}\n", rows, options.out);
     return;
   }
-  if (!options.num.empty() || !options.den.empty()) return run_transfer(options);
-  throw InputError("margins: say of what: --cases FILE.csv, or --num and --den");
+  if (!options.scenario.empty()) return run_scenario(options);
+  run_transfer(options);
 }
 
 }  // namespace
 
 void add_margins_command(CLI::App& program) {
   auto* command =
-      program.add_subcommand("margins", "Stability margins of a table of loops or of any transfer function");
+      program.add_subcommand("margins", "Stability margins of a scenario, a table of loops or any transfer function");
   const auto options = std::make_shared<Options>();
+  command->add_option("--scenario", options->scenario, "scenario file: margins, robustness, passivity, population");
+  command->add_option("--arms", options->arms, "sampled arms of a scenario")->capture_default_str();
+  command->add_option("--seed", options->seed, "of the sampled arms")->capture_default_str();
+  command->add_option("--percentiles", options->percentiles, "how Table III's ends are read: ecdf or central")
+      ->capture_default_str();
+  command->add_flag("--quick", options->quick, "do not search for the stiffness each test permits");
   command->add_option("--cases", options->cases,
                       "CSV of loops: id,axis,M,k1,k2,b1,b2,K,B (and m,b,T,delay_samples,cutoff_Hz)");
-  command->add_option("--out", options->out, "where the results go");
+  command->add_option("--out", options->out,
+                      "results: a CSV file for --cases, a directory with a report for --scenario");
   command->add_option("--num", options->num, "numerator of a loop transfer function, highest power first, as in 1,2,3");
   command->add_option("--den", options->den, "its denominator");
   command->add_option("--sample-time", options->sample_time_s, "seconds; makes --num and --den polynomials in z");

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-
 namespace handloop::studies {
 
 using nlohmann::ordered_json;
