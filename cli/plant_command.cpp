@@ -7,6 +7,7 @@
 #include "device/stop_signals.h"
 #include "io/scenario_file.h"
 #include "models/errors.h"
+#include "sim/scene_file.h"
 #include "studies/plant_service.h"
 
 namespace handloop::cli {
@@ -40,7 +41,7 @@ void serve(const Options& given) {
 
 void add_plant_command(CLI::App& program) {
   auto options = std::make_shared<Options>();
-  options->scenario = HANDLOOP_SOURCE_DIR "/scenes/phantom_wall.toml";
+  options->scenario = sim::scenes_directory() / "phantom_wall.toml";
   auto* command = program.add_subcommand("plant", "The simulated device as a server, for controllers elsewhere");
   command->add_option("scenario", options->scenario, "Scenario file (default: the Phantom at a virtual wall)");
   command->add_option("--listen", options->listen, "HOST:PORT, or PORT on this machine only")->required();

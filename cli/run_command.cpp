@@ -7,6 +7,7 @@
 #include "device/stop_signals.h"
 #include "io/scenario_file.h"
 #include "models/errors.h"
+#include "sim/scene_file.h"
 #include "studies/run.h"
 
 namespace handloop::cli {
@@ -69,7 +70,7 @@ void run(const Options& given) {
 
 void add_run_command(CLI::App& program) {
   auto options = std::make_shared<Options>();
-  options->scenario = HANDLOOP_SOURCE_DIR "/scenes/phantom_wall.toml";
+  options->scenario = sim::scenes_directory() / "phantom_wall.toml";
   auto* command = program.add_subcommand("run", "The closed loop on a simulated or real device, with its log");
   command->add_option("scenario", options->scenario, "Scenario file (default: the Phantom at a virtual wall)");
   command->add_option("--device", options->device, "sim, udp://HOST:PORT, comedi[:FILE.toml] or replay:FILE")

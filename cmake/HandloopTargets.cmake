@@ -52,8 +52,7 @@ function(handloop_tests folder)
   endif()
   add_executable(${folder}_tests ${sources})
   target_link_libraries(${folder}_tests PRIVATE handloop_compile_options handloop_test_support ${ARG_DEPENDS} GTest::gtest GTest::gtest_main)
-  target_compile_definitions(${folder}_tests PRIVATE HANDLOOP_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
-                             HANDLOOP_PROGRAM="$<TARGET_FILE:handloop>")
+  target_compile_options(${folder}_tests PRIVATE "SHELL:-include tests/support/paths.h")
   add_dependencies(${folder}_tests handloop)
   include(GoogleTest)
   gtest_discover_tests(${folder}_tests TEST_PREFIX "${folder}." DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60
