@@ -9,6 +9,7 @@ namespace handloop::cli {
 void add_arm_command(CLI::App& program);
 void add_completion_command(CLI::App& program);
 void add_demo_command(CLI::App& program);
+void add_experiment_command(CLI::App& program);
 void add_margins_command(CLI::App& program);
 void add_uncertainty_command(CLI::App& program);
 void add_plant_command(CLI::App& program);
