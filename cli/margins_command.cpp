@@ -114,7 +114,7 @@ void run(const Options& options) {
   }
   if (!options.cases.empty()) {
     if (options.out.empty()) throw InputError("margins --cases: say where the results go, --out FILE.csv");
-    const auto rows = studies::margins_of_cases(std::filesystem::path(options.cases), options.out, options.jobs);
+    const auto rows = studies::margins_of_case_file(options.cases, options.out, options.jobs);
     fmt::print("{} loops to {}\n", rows, options.out);
     return;
   }

@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "io/output.h"
 #include "models/axis.h"
 #include "models/errors.h"
 #include "models/suggest.h"
@@ -244,8 +245,8 @@ std::string margins_of_cases(std::string_view csv, const std::string& file, unsi
   return out;
 }
 
-std::size_t margins_of_cases(const std::filesystem::path& input, const std::filesystem::path& output,
-                             unsigned threads) {
+std::size_t margins_of_case_file(const std::filesystem::path& input, const std::filesystem::path& output,
+                                 unsigned threads) {
   std::ifstream in(input, std::ios::binary);
   if (!in || std::filesystem::is_directory(input))
     throw InputError(input.string() + ": cannot be read; give a CSV file of cases");
@@ -257,24 +258,7 @@ std::size_t margins_of_cases(const std::filesystem::path& input, const std::file
   if (text.empty()) throw InputError(input.string() + ": is empty; its first line must name id,axis,M,k1,k2,b1,b2,K,B");
   const std::string result = margins_of_cases(text, input.string(), threads);
 
-  const std::filesystem::path staged = output.string() + ".partial";
-  {
-    std::ofstream out(staged, std::ios::binary);
-    out.write(result.data(), static_cast<std::streamsize>(result.size()));
-    out.close();
-    if (!out) {
-      std::error_code ignored;
-      std::filesystem::remove(staged, ignored);
-      throw InputError(output.string() +
-                       ": cannot be written; give a path in a folder that exists and may be written to");
-    }
-  }
-  std::error_code error;
-  std::filesystem::rename(staged, output, error);
-  if (error) {
-    std::filesystem::remove(staged, error);
-    throw InputError(output.string() + ": cannot be written; give a path of a file");
-  }
+  io::write_file_atomically(output, result);
   return static_cast<std::size_t>(std::count(result.begin(), result.end(), '\n')) - 1;
 }
 

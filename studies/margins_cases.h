@@ -17,7 +17,7 @@ namespace handloop::studies {
 std::string margins_of_cases(std::string_view csv, const std::string& file_name, unsigned threads = 0);
 
 /// The same from file to file; the output appears whole or not at all. Returns the number of rows.
-std::size_t margins_of_cases(const std::filesystem::path& input, const std::filesystem::path& output,
-                             unsigned threads = 0);
+std::size_t margins_of_case_file(const std::filesystem::path& input, const std::filesystem::path& output,
+                                 unsigned threads = 0);
 
 }  // namespace handloop::studies
