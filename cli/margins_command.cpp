@@ -17,6 +17,7 @@
 #include "studies/margins_cases.h"
 #include "studies/margins_json.h"
 #include "studies/scenario_margins.h"
+#include "studies/stability_figures.h"
 
 namespace handloop::cli {
 namespace {
@@ -25,7 +26,7 @@ struct Options {
   std::string cases, out, json, num, den, scenario, percentiles = "ecdf";
   std::size_t arms = 2000;
   std::uint64_t seed = 1;
-  bool quick = false;
+  bool quick = false, figures = false;
   double sample_time_s = 0;
   double delay_s = 0;
   unsigned jobs = 0;
@@ -101,6 +102,10 @@ void run_scenario(const Options& options) {
   request.permitted_stiffness = !options.quick;
   request.jobs = options.jobs;
   const auto scenario = io::read_scenario(options.scenario);
+  if (options.figures) {
+    if (options.out.empty()) throw InputError("margins --figures: say where the pictures go, --out DIR");
+    return studies::write_stability_figures(scenario, options.out);
+  }
   const auto result = studies::scenario_margins(scenario, request, progress_bar("margins"));
   if (!options.out.empty()) studies::write_scenario_margins(result, request, options.out);
   if (!options.json.empty()) studies::write_json(studies::to_json(result), options.json);
@@ -133,6 +138,8 @@ void add_margins_command(CLI::App& program) {
   command->add_option("--seed", options->seed, "of the sampled arms")->capture_default_str();
   command->add_option("--percentiles", options->percentiles, "how Table III's ends are read: ecdf or central")
       ->capture_default_str();
+  command->add_flag("--figures", options->figures,
+                    "only draw the pictures of docs/stability.md for the scenario, into --out DIR");
   command->add_flag("--quick", options->quick, "do not search for the stiffness each test permits");
   command->add_option("--cases", options->cases,
                       "CSV of loops: id,axis,M,k1,k2,b1,b2,K,B (and m,b,T,delay_samples,cutoff_Hz)");

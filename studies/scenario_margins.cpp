@@ -206,6 +206,10 @@ void fill_permitted(ScenarioMargins& r, const ScenarioMarginsRequest& request,
 
 }  // namespace
 
+control::MultiAxisMargins multi_axis_margins(const models::Scenario& scenario) {
+  return all_axes(scenario, loop_of(scenario, scenario.wall.axis));
+}
+
 ScenarioMargins scenario_margins(const models::Scenario& scenario, const ScenarioMarginsRequest& request,
                                  const Progress& progress) {
   constexpr std::size_t kSteps = 8;

@@ -73,6 +73,9 @@ struct ScenarioMargins {
 ScenarioMargins scenario_margins(const models::Scenario& scenario, const ScenarioMarginsRequest& request,
                                  const Progress& progress = {});
 
+/// The same wall on all three axes at the scenario's pose, the tip's inertia and damping coupling them.
+control::MultiAxisMargins multi_axis_margins(const models::Scenario& scenario);
+
 /// Machine form: CONTRACT.md's keys and more.
 nlohmann::ordered_json to_json(const ScenarioMargins& result);
 

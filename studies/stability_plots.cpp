@@ -33,7 +33,7 @@ io::Series circle(double centre, double radius, std::string label, io::Colour co
 LoopCurve loop_curve(const control::Loop& loop) {
   LoopCurve curve;
   const auto plant = control::sample_plant(loop.plant, loop.timing.sample_time_s);
-  const double nyquist = kPi / loop.timing.sample_time_s;
+  const double nyquist = 0.998 * kPi / loop.timing.sample_time_s;  // short of the point where L turns real
   constexpr int kPoints = 1200;
   for (int i = 0; i <= kPoints; ++i) {
     const double w = nyquist * std::pow(10.0, -3.5 * (1 - static_cast<double>(i) / kPoints));
