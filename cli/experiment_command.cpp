@@ -5,6 +5,7 @@
 #include "cli/commands.h"
 #include "cli/progress_bar.h"
 #include "io/model_file.h"
+#include "io/scenario_file.h"
 #include "models/errors.h"
 #include "studies/experiment.h"
 
@@ -12,7 +13,7 @@ namespace handloop::cli {
 namespace {
 
 struct Options {
-  std::string axis = "all", grips = "1,2,3", arm, out, stimulus = "noise", percentiles = "ecdf", sensed_at;
+  std::string axis = "all", grips = "1,2,3", scenario, arm, out, stimulus = "noise", percentiles = "ecdf", sensed_at;
   std::size_t subjects = 15;
   std::uint64_t seed = 1;
   double rms_N = 0.0, duration_s = 60.0, wander_m = -1.0;
@@ -50,11 +51,14 @@ studies::ExperimentRequest to_request(const Options& options) {
   request.duration_s = options.duration_s;
   request.percentiles = models::parse_percentile_reading(options.percentiles);
   request.jobs = options.jobs;
+  if (!options.scenario.empty()) request.rig = io::read_scenario(options.scenario);
   if (options.ideal) request.rig.electronics.ideal = true;
   if (options.wander_m >= 0) request.rig.arm.wander_rms_m = options.wander_m;
   if (options.sensed_at == "flange") {
     request.rig.arm.force_sensed_at = models::ForceSensedAt::flange;
-  } else if (!options.sensed_at.empty() && options.sensed_at != "grip") {
+  } else if (options.sensed_at == "grip") {
+    request.rig.arm.force_sensed_at = models::ForceSensedAt::grip;
+  } else if (!options.sensed_at.empty()) {
     throw InputError(fmt::format("--force-sensed-at {}: give grip or flange", options.sensed_at));
   }
   if (!options.arm.empty()) {
@@ -89,6 +93,8 @@ void add_experiment_command(CLI::App& program) {
   command->add_option("--grips", options->grips, "grip forces in N, some of 1,2,3")->capture_default_str();
   command->add_option("--seed", options->seed, "the same seed gives the same recordings")->capture_default_str();
   command->add_option("--out", options->out, "directory for trial_*.csv, index.csv and report.html")->required();
+  command->add_option("--scenario", options->scenario,
+                      "device, electronics, wander and sensing of the rig; its arms and wall do not matter");
   command->add_option("--arm", options->arm, "record this one arm (model file), its effects included");
   command->add_flag("--ideal", options->ideal, "no sensor noise, no quantisation, no saturation");
   command->add_option("--stimulus", options->stimulus, "noise (the paper's) or multisine (odd random-phase grid)")

@@ -42,6 +42,8 @@ class ArmAxis {
           double step_s);
 
   void reset();
+  /// Puts the arm's mass somewhere, its effects at rest.
+  void place(double position_m, double velocity_m_per_s) { state_ << position_m, velocity_m_per_s; }
   /// Remembers the motion at the beginning of a step, for effects that feel it late.
   void remember(const AxisMotion& start);
   /// Reaction and rates at stage 0..3 with the stylus as given; stage 0 sees the step's beginning.

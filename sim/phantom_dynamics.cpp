@@ -60,7 +60,7 @@ void PhantomDynamics::set_up_structure(const models::DeviceSettings& device) {
   const double rate = 2 * std::numbers::pi * device.structural_frequency_Hz;
   const mjModel* model = scene_.model.get();
   Eigen::MatrixXd mass(model->nv, model->nv);
-  place_at_pose();
+  place(pose_, Vector3d::Zero());
   mj_fwdPosition(model, data_.get());
   mj_fullM(model, mass.data(), data_->qM);
   for (int i = 0; i < 3; ++i) {
@@ -71,20 +71,37 @@ void PhantomDynamics::set_up_structure(const models::DeviceSettings& device) {
   }
 }
 
-void PhantomDynamics::place_at_pose() {
+void PhantomDynamics::place(const Vector3d& q_rad, const Vector3d& rate_rad_per_s) {
+  const auto put = [&](double* to, const Vector3d& value) {
+    for (int i = 0; i < 3; ++i) to[scene_.motor_dof[i]] = value[i];
+    to[scene_.elbow_dof] = value[2] - value[1];
+    to[scene_.coupler_dof] = value[1] - value[2];
+  };
   mj_resetData(scene_.model.get(), data_.get());
-  for (int i = 0; i < 3; ++i) data_->qpos[scene_.motor_dof[i]] = pose_[i];
-  data_->qpos[scene_.elbow_dof] = pose_[2] - pose_[1];
-  data_->qpos[scene_.coupler_dof] = pose_[1] - pose_[2];
+  put(data_->qpos, q_rad);
+  put(data_->qvel, rate_rad_per_s);
+  rotor_rad_ = q_rad;
+  rotor_rad_per_s_ = rate_rad_per_s;
+}
+
+void PhantomDynamics::place_arm(Axis axis, double position_m, double velocity_m_per_s) {
+  arms_[static_cast<std::size_t>(axis)].place(position_m, velocity_m_per_s);
+}
+
+Vector3d PhantomDynamics::holding_torque_Nm() {
+  const mjModel* model = scene_.model.get();
+  mj_fwdPosition(model, data_.get());
+  mj_fwdVelocity(model, data_.get());
+  const double* weight = data_->qfrc_bias;
+  const double loop = weight[scene_.elbow_dof] - weight[scene_.coupler_dof];  // elbow = q3 - q2, coupler = q2 - q3
+  return {weight[scene_.motor_dof[0]], weight[scene_.motor_dof[1]] - loop, weight[scene_.motor_dof[2]] + loop};
 }
 
 void PhantomDynamics::reset() {
-  place_at_pose();
+  place(pose_, Vector3d::Zero());
   for (auto& arm : arms_) arm.reset();
   hand_.reset();
   actuator_.reset();
-  rotor_rad_ = pose_;
-  rotor_rad_per_s_.setZero();
   torque_Nm_.setZero();
 }
 

@@ -24,6 +24,12 @@ class PhantomDynamics {
   PhantomDynamics(const models::Scenario& scenario, bool with_visuals);
 
   void reset();
+  /// Puts motor angles and rates somewhere, the loop closed and the gimbal still; an arm's mass likewise. For
+  /// linearisation.
+  void place(const Eigen::Vector3d& q_rad, const Eigen::Vector3d& rate_rad_per_s);
+  void place_arm(models::Axis axis, double position_m, double velocity_m_per_s);
+  /// Torques that carry the device's weight where it is, at rest.
+  Eigen::Vector3d holding_torque_Nm();
   /// One sample further, the joint torques (Nm) held. `sample` counts from 0.
   void advance(std::uint64_t sample, const Eigen::Vector3d& torque_Nm);
 
@@ -54,7 +60,6 @@ class PhantomDynamics {
   double energy_J(double t_s);
 
  private:
-  void place_at_pose();
   void set_up_structure(const models::DeviceSettings& device);
   AxisMotion motion_of(models::Axis axis, double t_s, const TipState& tip, const HandMotion::Rest& rest,
                        double muscle_N) const;

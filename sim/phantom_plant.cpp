@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/errors.h"
 #include "sim/arm_picture.h"
 #include "sim/delay_line.h"
 #include "sim/electronics.h"
@@ -20,6 +21,13 @@ using models::Axis;
 
 /// Faster than this the numbers are an explosion and not a motion.
 constexpr double kFastestTip_m_per_s = 1e3;
+
+const models::Scenario& require_phantom(const models::Scenario& scenario) {
+  if (scenario.device.model != models::DeviceModel::phantom_premium_1_5) {
+    throw InputError("device.model: this plant simulates phantom_premium_1_5 only");
+  }
+  return scenario;
+}
 
 /// Force that needs the tip's acceleration to be known: what hangs between sensor and arm.
 bool mass_beyond_the_sensor(const models::Scenario& scenario) {
@@ -49,7 +57,7 @@ struct PhantomPlant::Impl {
   Vector3d encoder_shift_rad = Vector3d::Zero();
 
   Impl(const models::Scenario& wanted, const PlantOptions& options)
-      : scenario(wanted),
+      : scenario(require_phantom(wanted)),
         electronics(wanted),
         dynamics(wanted, options.with_visuals),
         description(electronics.describe()),

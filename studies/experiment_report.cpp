@@ -31,10 +31,12 @@ void add_excerpt(io::Report& report, const Trial& trial, const TrialOutcome& out
   io::Plot force{
       .title = fmt::format("Axis {}: force", axis_in_words(trial.axis)), .x_label = "time, s", .y_label = "force, N"};
   force.series.push_back({.x = seconds.time_s, .y = seconds.force_N, .colour = io::Colour::blue, .width = 1.2});
-  force.height_px = 260;
+  force.width_px = 560;
+  force.height_px = 280;
   io::Plot position{.title = "position", .x_label = "time, s", .y_label = "position, mm"};
   position.series.push_back({.x = seconds.time_s, .y = position_mm, .colour = io::Colour::orange, .width = 1.2});
-  position.height_px = 260;
+  position.width_px = 560;
+  position.height_px = 280;
   report.plots({force, position},
                fmt::format("Trial {}, subject {}, grip force {} N.", trial.number, trial.subject, trial.grip_N));
 }
