@@ -5,7 +5,7 @@
 
 #include "cli/commands.h"
 #include "cli/progress_bar.h"
-#include "io/scenario_file.h"
+#include "cli/scenario_argument.h"
 #include "sim/scene_file.h"
 #include "studies/demo.h"
 
@@ -53,7 +53,7 @@ void add_demo_command(CLI::App& program) {
   command->add_option("--out", options->out, "directory for report.html and its data")->capture_default_str();
   command->footer("Example: handloop demo --out out/demo");
   command->callback([options] {
-    const auto demo = studies::run_demo(io::read_scenario(options->scenario), *options, progress_bar("demo"));
+    const auto demo = studies::run_demo(read_scenario_argument(options->scenario), *options, progress_bar("demo"));
     studies::write_demo(demo, options->out);
     print(demo, options->out);
   });

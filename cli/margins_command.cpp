@@ -10,8 +10,8 @@
 
 #include "cli/commands.h"
 #include "cli/progress_bar.h"
+#include "cli/scenario_argument.h"
 #include "control/transfer_loop.h"
-#include "io/scenario_file.h"
 #include "models/arm_population.h"
 #include "models/errors.h"
 #include "studies/margins_cases.h"
@@ -101,7 +101,7 @@ void run_scenario(const Options& options) {
   request.percentiles = models::parse_percentile_reading(options.percentiles);
   request.permitted_stiffness = !options.quick;
   request.jobs = options.jobs;
-  const auto scenario = io::read_scenario(options.scenario);
+  const auto scenario = read_scenario_argument(options.scenario);
   if (options.figures) {
     if (options.out.empty()) throw InputError("margins --figures: say where the pictures go, --out DIR");
     return studies::write_stability_figures(scenario, options.out);

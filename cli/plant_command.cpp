@@ -4,10 +4,9 @@
 #include <memory>
 
 #include "cli/commands.h"
+#include "cli/scenario_argument.h"
 #include "device/stop_signals.h"
-#include "io/scenario_file.h"
 #include "models/errors.h"
-#include "sim/scene_file.h"
 #include "studies/plant_service.h"
 
 namespace handloop::cli {
@@ -19,7 +18,7 @@ struct Options {
 
 void serve(const Options& given) {
   studies::PlantServiceOptions options;
-  options.scenario = io::read_scenario(given.scenario);
+  options.scenario = read_scenario_argument(given.scenario);
   options.listen = given.listen;
   if (!given.key.empty()) options.key = given.key;
   options.stop = &device::stop_on_signals();
@@ -41,7 +40,7 @@ void serve(const Options& given) {
 
 void add_plant_command(CLI::App& program) {
   auto options = std::make_shared<Options>();
-  options->scenario = sim::scenes_directory() / "phantom_wall.toml";
+  options->scenario = "scenes/phantom_wall.toml";
   auto* command = program.add_subcommand("plant", "The simulated device as a server, for controllers elsewhere");
   command->add_option("scenario", options->scenario, "Scenario file (default: the Phantom at a virtual wall)");
   command->add_option("--listen", options->listen, "HOST:PORT, or PORT on this machine only")->required();

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <memory>
@@ -11,6 +12,14 @@ namespace handloop::cli {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+/// "42 s", "3 min 20 s", "2 h 05 min".
+std::string duration(double seconds) {
+  const auto whole = static_cast<long>(seconds + 0.5);
+  if (whole < 100) return fmt::format("{} s", whole);
+  if (whole < 3600) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
+  return fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);
+}
 
 class Bar {
  public:
@@ -27,10 +36,13 @@ class Bar {
       constexpr std::size_t kWidth = 30;
       const double share = static_cast<double>(done) / static_cast<double>(total);
       const auto filled = static_cast<std::size_t>(share * kWidth);
-      const double passed_s = std::chrono::duration<double>(now - start_).count();
+      const double passed_s = std::max(std::chrono::duration<double>(now - start_).count(), 1e-6);
       fmt::print(stderr, "\r{} [{}{}] {}/{}", what_, std::string(filled, '#'), std::string(kWidth - filled, '.'), done,
                  total);
-      if (done > 0) fmt::print(stderr, ", {:.0f} s left", passed_s * (1 / share - 1));
+      if (done > 0) {
+        fmt::print(stderr, ", {:.3g}/s, {} left", static_cast<double>(done) / passed_s,
+                   duration(passed_s * (1 / share - 1)));
+      }
       fmt::print(stderr, "\033[K");
     }
     std::fflush(stderr);

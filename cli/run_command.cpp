@@ -3,11 +3,10 @@
 #include <memory>
 
 #include "cli/commands.h"
+#include "cli/scenario_argument.h"
 #include "device/fault_injection.h"
 #include "device/stop_signals.h"
-#include "io/scenario_file.h"
 #include "models/errors.h"
-#include "sim/scene_file.h"
 #include "studies/run.h"
 
 namespace handloop::cli {
@@ -44,7 +43,7 @@ void run(const Options& given) {
     return;
   }
   studies::RunOptions options;
-  options.scenario = io::read_scenario(given.scenario);
+  options.scenario = read_scenario_argument(given.scenario);
   options.device = given.device;
   options.realtime = given.realtime;
   options.out = given.out;
@@ -70,7 +69,7 @@ void run(const Options& given) {
 
 void add_run_command(CLI::App& program) {
   auto options = std::make_shared<Options>();
-  options->scenario = sim::scenes_directory() / "phantom_wall.toml";
+  options->scenario = "scenes/phantom_wall.toml";
   auto* command = program.add_subcommand("run", "The closed loop on a simulated or real device, with its log");
   command->add_option("scenario", options->scenario, "Scenario file (default: the Phantom at a virtual wall)");
   command->add_option("--device", options->device, "sim, udp://HOST:PORT, comedi[:FILE.toml] or replay:FILE")

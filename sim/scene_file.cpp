@@ -10,6 +10,7 @@
 #include <new>
 #include <sstream>
 #include <string>
+#include <system_error>
 
 #include "models/errors.h"
 
@@ -43,6 +44,11 @@ void DataDeleter::operator()(mjData_* data) const noexcept {
 
 std::filesystem::path scenes_directory() {
   if (const char* chosen = std::getenv("HANDLOOP_SCENES"); chosen != nullptr && *chosen != '\0') return chosen;
+  // An installed program brings its own, wherever it was installed to.
+  std::error_code unreadable;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", unreadable);
+  const auto beside = program.parent_path().parent_path() / "share/handloop/scenes";
+  if (!unreadable && std::filesystem::exists(beside)) return beside;
   const std::filesystem::path source = HANDLOOP_SOURCE_SCENES;
   return std::filesystem::exists(source) ? source : std::filesystem::path(HANDLOOP_INSTALLED_SCENES);
 }

@@ -18,7 +18,8 @@ struct DataDeleter {
 using ModelPtr = std::unique_ptr<mjModel_, ModelDeleter>;
 using DataPtr = std::unique_ptr<mjData_, DataDeleter>;
 
-/// Folder of the MJCF scenes: $HANDLOOP_SCENES, else the source tree's, else where they were installed.
+/// Folder of the MJCF scenes: $HANDLOOP_SCENES, else share/handloop/scenes beside the running program's bin, else the
+/// source tree's, else where they were to be installed.
 std::filesystem::path scenes_directory();
 
 /// Compiles a scene of that folder ("phantom.xml"). Without visuals, shapes that only show are left out: the physics is
