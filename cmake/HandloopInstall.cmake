@@ -41,6 +41,7 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)  # what the program is linked with
 set(CPACK_DEBIAN_PACKAGE_DEPENDS gnuplot-nox)
 # What building against the libraries needs: every -dev package the build itself needs.
 file(STRINGS "${PROJECT_SOURCE_DIR}/packaging/packages.txt" packages REGEX "^lib.*-dev$|^nlohmann-json3-dev$")
+list(REMOVE_ITEM packages libgtest-dev libbenchmark-dev)
 list(JOIN packages ", " packages)
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "${packages}")
 set(CPACK_STRIP_FILES ON)
