@@ -108,6 +108,7 @@ void add_experiment_command(CLI::App& program) {
   command->add_option("--percentiles", options->percentiles, "reading of Table III: ecdf or central")
       ->capture_default_str();
   command->add_option("--jobs", options->jobs, "trials at a time; 0: one a core")->capture_default_str();
+  command->footer("Example: handloop experiment --axis z --subjects 15 --grips 1,2,3 --seed 1 --out out/experiment");
   command->callback([options] { run(*options); });
 }
 
