@@ -26,12 +26,12 @@ void print(const studies::Demo& demo, const std::string& out) {
   fmt::print("       gain margin  phase margin  stiffest wall    stable (95 %)              stiffest wall for 95 %\n");
   for (const auto& a : demo.axes) {
     const auto& m = a.nominal;
-    fmt::print(
-        "{:<6} {:>11} {:>13} {:>10.0f} N/m    {:<27}{:.0f} N/m\n", axis_name(a.axis),
-        m.stable ? fmt::format("{:.2f}", m.gain_up) : "unstable",
-        m.stable ? fmt::format("{:.1f} deg", std::abs(m.phase_deg)) : "-", a.critical_stiffness_N_per_m,
-        fmt::format("{:.1f} % ({:.1f} to {:.1f})", 100 * a.stable_share, 100 * a.stable_low95, 100 * a.stable_high95),
-        a.critical_stiffness_p05_N_per_m);
+    fmt::print("{:<6} {:>11} {:>13} {:>10.0f} N/m    {:<27}{:.0f} N/m\n", axis_name(a.axis),
+               m.stable ? fmt::format("{:.2f}", m.gain_up) : "unstable",
+               m.stable ? fmt::format("{:.1f} deg", std::abs(m.phase_deg)) : "-", a.critical_stiffness_N_per_m,
+               fmt::format("{:.1f} % ({:.1f} to {:.1f})", 100 * a.population.stable.estimate,
+                           100 * a.population.stable.low95, 100 * a.population.stable.high95),
+               a.permitted_stiffness_N_per_m);
   }
   fmt::print("\nclosed loop: {:g} s simulated at {:.0f} thousand steps/s, {}\n", demo.wall.t_s.back(),
              demo.wall.steps_per_s / 1e3, demo.wall.fault.empty() ? "no fault" : demo.wall.fault);

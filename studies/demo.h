@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "control/margins.h"
+#include "control/population_margins.h"
 #include "control/stability_boundary.h"
 #include "models/scenario.h"
 #include "studies/loop_trace.h"
@@ -27,18 +27,15 @@ struct StabilityMap {
   std::vector<control::BoundaryPiece> nominal_boundary;
 };
 
-/// Margins of one axis with the scenario's gains: of its own arm, and of every sampled one.
+/// Margins of one axis with the scenario's gains: of its own arm, and of the population.
 struct AxisMargins {
   models::Axis axis = models::Axis::z;
-  control::LoopPlant plant;
+  control::Loop loop;
   control::Margins nominal;
-  double critical_stiffness_N_per_m = 0.0;  ///< at the scenario's damping
-  std::vector<control::Margins> sampled;
-  double stable_share = 0.0, stable_low95 = 0.0, stable_high95 = 0.0;  ///< Clopper and Pearson
-  /// 5 % points over all arms, an unstable arm counted as without margin.
-  double gain_up_p05 = 0.0, phase_deg_p05 = 0.0, disk_alpha_p05 = 0.0;
-  std::vector<double> sampled_critical_N_per_m;  ///< critical stiffness of every sampled arm
-  double critical_stiffness_p05_N_per_m = 0.0;   ///< the stiffest wall that 95 % of the arms hold
+  control::PopulationMargins population;
+  double critical_stiffness_N_per_m = 0.0;       ///< at the scenario's damping
+  std::vector<double> sampled_critical_N_per_m;  ///< of every sampled arm
+  double permitted_stiffness_N_per_m = 0.0;      ///< the stiffest wall that 95 % of the arms hold
 };
 
 struct Demo {

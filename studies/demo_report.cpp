@@ -59,11 +59,11 @@ std::vector<Figure> headlines(const Demo& demo) {
   }
   figures.push_back({"stiffest stable wall", fmt::format("{:.0f} N/m", axis.critical_stiffness_N_per_m),
                      fmt::format("at {} N s/m", demo.scenario.loop.damping_Ns_per_m)});
-  figures.push_back({"arms that stay stable", percent(axis.stable_share),
-                     fmt::format("{} sampled; 95 %: {} to {}", demo.options.arms, percent(axis.stable_low95),
-                                 percent(axis.stable_high95)),
-                     mood(axis.stable_share > 0.95)});
-  figures.push_back({"stiffest wall for 95 % of arms", fmt::format("{:.0f} N/m", axis.critical_stiffness_p05_N_per_m),
+  figures.push_back({"arms that stay stable", percent(axis.population.stable.estimate),
+                     fmt::format("{} sampled; 95 %: {} to {}", demo.options.arms, percent(axis.population.stable.low95),
+                                 percent(axis.population.stable.high95)),
+                     mood(axis.population.stable.estimate > 0.95)});
+  figures.push_back({"stiffest wall for 95 % of arms", fmt::format("{:.0f} N/m", axis.permitted_stiffness_N_per_m),
                      fmt::format("this one has {}", demo.scenario.loop.stiffness_N_per_m)});
   return figures;
 }
@@ -135,16 +135,17 @@ io::Table margins_table(const Demo& demo) {
                           m.stable ? fmt::format("{:.2f}", m.disk_alpha) : "",
                           fmt::format("{:.0f}", a.critical_stiffness_N_per_m), ""});
     table.rows.push_back(
-        {"95 % of arms, at least", factor(a.gain_up_p05), fmt::format("{:.1f}", a.phase_deg_p05),
-         fmt::format("{:.2f}", a.disk_alpha_p05), fmt::format("{:.0f}", a.critical_stiffness_p05_N_per_m),
-         fmt::format("{} ({} to {})", percent(a.stable_share), percent(a.stable_low95), percent(a.stable_high95))});
+        {"95 % of arms, at least", factor(a.population.p05.gain_up), fmt::format("{:.1f}", a.population.p05.phase_deg),
+         fmt::format("{:.2f}", a.population.p05.disk_alpha), fmt::format("{:.0f}", a.permitted_stiffness_N_per_m),
+         fmt::format("{} ({} to {})", percent(a.population.stable.estimate), percent(a.population.stable.low95),
+                     percent(a.population.stable.high95))});
   }
   table.caption = fmt::format(
       "Nominal arm of Table II and {} arms sampled from Table III, with the scenario's wall on each axis. The gain "
       "margin "
       "scales spring and damper together; the stiffest wall keeps the damper. Tip masses {:.0f}, {:.0f} and {:.0f} g.",
-      demo.options.arms, 1e3 * demo.axes[0].plant.tip_mass_kg, 1e3 * demo.axes[1].plant.tip_mass_kg,
-      1e3 * demo.axes[2].plant.tip_mass_kg);
+      demo.options.arms, 1e3 * demo.axes[0].loop.plant.tip_mass_kg, 1e3 * demo.axes[1].loop.plant.tip_mass_kg,
+      1e3 * demo.axes[2].loop.plant.tip_mass_kg);
   return table;
 }
 
@@ -187,7 +188,7 @@ Plot stiffest_wall_plot(const Demo& demo) {
   Plot plot{.x_label = "stiffest stable wall / N/m", .y_label = "sampled arms"};
   if (walls.empty()) return plot;
   plot.series.push_back(io::histogram(walls, 40, ""));
-  plot.vertical = {{axis.critical_stiffness_p05_N_per_m, "5 %", Colour::orange},
+  plot.vertical = {{axis.permitted_stiffness_N_per_m, "5 %", Colour::orange},
                    {axis.critical_stiffness_N_per_m, "nominal", Colour::ink}};
   plot.height_px = 280;
   return plot;
@@ -252,15 +253,15 @@ nlohmann::ordered_json summary(const Demo& demo) {
                     {"fault_at_s", demo.beyond.fault_at_s}};
   for (const auto& a : demo.axes) {
     json["margins"][std::string(axis_name(a.axis))] = {
-        {"tip_mass_kg", a.plant.tip_mass_kg},
+        {"tip_mass_kg", a.loop.plant.tip_mass_kg},
         {"nominal", to_json(a.nominal)},
         {"critical_stiffness_N_per_m", json_number(a.critical_stiffness_N_per_m)},
-        {"critical_stiffness_p05_N_per_m", json_number(a.critical_stiffness_p05_N_per_m)},
-        {"p_stable", a.stable_share},
-        {"p_stable_95", {a.stable_low95, a.stable_high95}},
-        {"gm_up_p05", json_number(a.gain_up_p05)},
-        {"pm_deg_p05", json_number(a.phase_deg_p05)},
-        {"disk_alpha_p05", json_number(a.disk_alpha_p05)}};
+        {"permitted_stiffness_95_N_per_m", json_number(a.permitted_stiffness_N_per_m)},
+        {"p_stable", a.population.stable.estimate},
+        {"p_stable_95", {a.population.stable.low95, a.population.stable.high95}},
+        {"gm_up_p05", json_number(a.population.p05.gain_up)},
+        {"pm_deg_p05", json_number(a.population.p05.phase_deg)},
+        {"disk_alpha_p05", json_number(a.population.p05.disk_alpha)}};
   }
   return json;
 }
