@@ -30,7 +30,8 @@ using MatVariable = std::unique_ptr<matvar_t, FreeVariable>;
 /// The library would print to standard error; what matters is said by the exception.
 void silence_library() {
   static const bool silent = [] {
-    Mat_LogInitFunc("handloop", [](int, char*) {});
+    // The message is a char* in matio 1.5.23 and a const char* in 1.5.28.
+    Mat_LogInitFunc("handloop", [](int, auto*) {});
     return true;
   }();
   static_cast<void>(silent);
