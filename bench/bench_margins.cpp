@@ -2,10 +2,14 @@
 /// and all margins with their frequencies.
 #include <benchmark/benchmark.h>
 
+#include <string>
 #include <vector>
 
+#include "control/arm_box.h"
 #include "control/closed_loop_verdict.h"
 #include "control/margins.h"
+#include "control/population_margins.h"
+#include "studies/margins_cases.h"
 
 namespace {
 
@@ -67,6 +71,35 @@ void VerdictForOnePlantAndManyGains(benchmark::State& state) {
   state.SetItemsProcessed(state.iterations());
 }
 BENCHMARK(VerdictForOnePlantAndManyGains);
+
+void PopulationOfTwoThousandArms(benchmark::State& state) {
+  const models::ArmPopulation population(models::Axis::z);
+  const control::Loop loop{{0.084, 0.017, {}}, {}, {400, 1}};
+  for (auto _ : state) benchmark::DoNotOptimize(control::population_margins(population, loop, 2000, 1));
+}
+BENCHMARK(PopulationOfTwoThousandArms)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+void ProofForEveryArmOfABox(benchmark::State& state) {
+  const auto box = control::published_box(models::Axis::z, control::BoxSet::percent95);
+  for (auto _ : state) benchmark::DoNotOptimize(control::certify({0.084, 0.017, {}}, {}, {400, 1}, box));
+}
+BENCHMARK(ProofForEveryArmOfABox)->Unit(benchmark::kMillisecond);
+
+/// `margins --cases` without the disk: text in, text out, all cores.
+void CasesFromTextToText(benchmark::State& state) {
+  std::string csv = "id,axis,M,k1,k2,b1,b2,K,B\n";
+  std::size_t id = 0;
+  for (const auto& loop : loops(20000, false)) {
+    const auto arm = models::to_array(*loop.plant.arm);
+    csv += std::to_string(id++) + ",X";
+    for (const double value : arm) csv += "," + std::to_string(value);
+    csv +=
+        "," + std::to_string(loop.gains.stiffness_N_per_m) + "," + std::to_string(loop.gains.damping_Ns_per_m) + "\n";
+  }
+  for (auto _ : state) benchmark::DoNotOptimize(studies::margins_of_cases(csv, "cases.csv"));
+  state.SetItemsProcessed(state.iterations() * 20000);
+}
+BENCHMARK(CasesFromTextToText)->Unit(benchmark::kMillisecond)->UseRealTime();
 
 }  // namespace
 

@@ -17,6 +17,7 @@
 #include "studies/margins_cases.h"
 #include "studies/margins_json.h"
 #include "studies/scenario_margins.h"
+#include "studies/seven_bar_margins.h"
 #include "studies/stability_figures.h"
 
 namespace handloop::cli {
@@ -105,6 +106,14 @@ void run_scenario(const Options& options) {
   if (options.figures) {
     if (options.out.empty()) throw InputError("margins --figures: say where the pictures go, --out DIR");
     return studies::write_stability_figures(scenario, options.out);
+  }
+  if (scenario.device.model == models::DeviceModel::seven_bar) {
+    if (!options.out.empty())
+      throw InputError("margins --scenario: a seven-bar linkage has no report yet; leave out --out");
+    const auto seven_bar = studies::seven_bar_margins();
+    if (!options.json.empty()) studies::write_json(studies::to_json(seven_bar), options.json);
+    if (options.json != "-") fmt::print("{}", studies::to_text(seven_bar));
+    return;
   }
   const auto result = studies::scenario_margins(scenario, request, progress_bar("margins"));
   if (!options.out.empty()) studies::write_scenario_margins(result, request, options.out);

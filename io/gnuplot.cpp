@@ -119,8 +119,11 @@ class Script {
   void categories(const char* axis, const std::vector<std::string>& names) {
     if (names.empty()) return;
     std::string tics;
-    for (std::size_t i = 0; i < names.size(); ++i)
-      tics += fmt::format("{}{} {}", i > 0 ? ", " : "", text(names[i]), i + 1);
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      std::string name;  // names of tics are formats: a percent sign is written twice
+      for (const char c : names[i]) name += c == '%' ? std::string("%%") : std::string(1, c);
+      tics += fmt::format("{}{} {}", i > 0 ? ", " : "", text(name), i + 1);
+    }
     add(fmt::format("set {}tics ({})", axis, tics));
     const double low = 0.4, high = static_cast<double>(names.size()) + 0.6;
     if (axis[0] == 'x' && !plot_.x_range) add(fmt::format("set xrange [{}:{}]", low, high));

@@ -57,7 +57,7 @@ io::Plot poles_figure(const ScenarioMargins& r) {
   add(edge, r.nominal.gain_up);
   plot.series = {circle, path, here, edge};
   plot.x_range = {{0.5, 1.1}};
-  plot.y_range = {{-0.3, 0.3}};
+  plot.y_range = {{-0.4, 0.4}};
   return plot;
 }
 
@@ -95,6 +95,7 @@ io::Plot disk_figure(const control::Margins& m) {
       s, {.label = "as built", .x = {1}, .y = {0}, .style = io::Series::Style::points, .colour = io::Colour::ink}};
   if (std::isfinite(m.gain_up)) plot.vertical.push_back({m.gain_up, "gain margin alone", io::Colour::green});
   plot.horizontal.push_back({m.phase_deg, "phase margin alone", io::Colour::orange});
+  plot.y_range = {{-60, 60}};
   plot.x_range = {{0.3, std::max(4.0, 1.3 * (std::isfinite(m.gain_up) ? m.gain_up : 3.0))}};
   return plot;
 }
@@ -124,7 +125,17 @@ io::Plot unstructured_figure(const ScenarioMargins& r) {
 /// The set that c would have to lie in for a pole on the axis, and the rectangle where it is, at one frequency.
 io::Plot value_set_figure(const ScenarioMargins& r) {
   const auto box = control::published_box(r.axis, control::BoxSet::percent67);
-  const double w = r.nominal.disk_at_rad_per_s;
+  // where the corner of the box that is lost first rings
+  double w = r.nominal.disk_at_rad_per_s, limit = std::numeric_limits<double>::infinity();
+  for (unsigned v = 0; v < 32; ++v) {
+    auto plant = r.loop.plant;
+    plant.arm = box.vertex(v);
+    const auto stable = control::stable_stiffness(control::sample_plant(plant, r.loop.timing.sample_time_s),
+                                                  r.loop.timing, r.loop.gains.damping_Ns_per_m);
+    if (stable.count > 0 && stable.intervals[0].high < limit) {
+      limit = stable.intervals[0].high, w = stable.intervals[0].high_at_rad_per_s;
+    }
+  }
   io::Plot plot{.title = fmt::format("Value sets at {:.3g} Hz", w / (2 * kPi)),
                 .x_label = "Re c / (N/m)",
                 .y_label = "Im c / (N/m)"};
@@ -147,13 +158,13 @@ io::Plot value_set_figure(const ScenarioMargins& r) {
       rectangle(box.low[2] - w * w * box.high[0], box.high[2] - w * w * box.low[0], w * box.low[4], w * box.high[4],
                 same),
       false);
-  for (const double k : {1.0, 2.5}) {
-    control::WallGains gains{k * r.loop.gains.stiffness_N_per_m, r.loop.gains.damping_Ns_per_m};
+  for (const double K : {r.loop.gains.stiffness_N_per_m, std::round(0.9 * limit), std::round(limit)}) {
+    control::WallGains gains{K, r.loop.gains.damping_Ns_per_m};
     const Complex D = control::faced_stiffness(r.loop.plant, r.loop.timing, gains, w);
     add(fmt::format("-aD/(a + D), K = {:g} N/m", gains.stiffness_N_per_m),
         rectangle(box.low[1], box.high[1], w * box.low[3], w * box.high[3],
                   [&](Complex a) { return -a * D / (a + D); }),
-        k != 1);
+        K != r.loop.gains.stiffness_N_per_m);
   }
   return plot;
 }
@@ -172,6 +183,7 @@ io::Plot passivity_figure(const ScenarioMargins& r) {
     plot.series.push_back(s);
   }
   plot.horizontal.push_back({r.device_damping_Ns_per_m, "the device has"});
+  plot.y_range = {{0, 1.02 * plot.series.back().y.back()}};
   plot.vertical.push_back({r.loop.gains.stiffness_N_per_m, "K set", io::Colour::ink});
   return plot;
 }

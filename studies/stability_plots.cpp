@@ -127,7 +127,15 @@ io::Plot map_plot(const BoundaryFamily& family, const control::GainWindow& windo
   for (const auto& member : family.members) {
     io::Series s{.label = member.label};
     for (const auto& piece : member.pieces) {
-      for (const auto& p : piece.points) s.x.push_back(p.damping_Ns_per_m), s.y.push_back(p.stiffness_N_per_m);
+      // no more points than the eye sees
+      const double width = window.damping_high - window.damping_low,
+                   height = window.stiffness_high - window.stiffness_low;
+      double last_x = 0, last_y = 0;
+      for (const auto& p : piece.points) {
+        const double step = std::hypot((p.damping_Ns_per_m - last_x) / width, (p.stiffness_N_per_m - last_y) / height);
+        if (step < 0.01 && &p != &piece.points.front() && &p != &piece.points.back()) continue;
+        s.x.push_back(last_x = p.damping_Ns_per_m), s.y.push_back(last_y = p.stiffness_N_per_m);
+      }
       s.x.push_back(std::nan("")), s.y.push_back(std::nan(""));
     }
     if (!s.x.empty()) plot.series.push_back(std::move(s));
@@ -160,9 +168,11 @@ io::Plot share_plot(const models::ArmPopulation& population, const control::Loop
   }
   std::reverse(share.x.begin(), share.x.end());
   std::reverse(share.y.begin(), share.y.end());
-  plot.series.push_back(share);
+  const double end = share.x.back();
+  plot.series.push_back(std::move(share));
   plot.vertical.push_back({loop.gains.stiffness_N_per_m, "K set", io::Colour::ink});
   plot.y_range = {{0, 102}};
+  plot.x_range = {{0, end}};
   return plot;
 }
 
