@@ -24,6 +24,10 @@ std::string axis_in_words(models::Axis axis) {
   }
 }
 
+std::string duration_in_words(double seconds) {
+  return seconds < 120 ? fmt::format("{:.3g} s", seconds) : fmt::format("{:.0f} min", seconds / 60);
+}
+
 void add_excerpt(io::Report& report, const Trial& trial, const TrialOutcome& outcome) {
   const auto& seconds = outcome.seconds;
   std::vector<double> position_mm(seconds.position_m.size());
@@ -58,15 +62,15 @@ TrialExcerpt excerpt(const TrialRecord& record) {
 
 std::string experiment_report(const ExperimentRequest& request, const std::vector<Trial>& trials,
                               const std::vector<TrialOutcome>& outcomes) {
-  io::Report report("Experiment", fmt::format("{} trials of {:g} s on the simulated Phantom Premium 1.5, seed {}",
-                                              trials.size(), request.duration_s, request.seed));
+  io::Report report("Experiment",
+                    fmt::format("{} trial{} of {:g} s on the simulated Phantom Premium 1.5, seed {}", trials.size(),
+                                trials.size() == 1 ? "" : "s", request.duration_s, request.seed));
   std::size_t clipped = 0;
   for (const auto& outcome : outcomes) clipped += outcome.clipped_samples;
   const double samples = request.duration_s / request.rig.loop.sample_time_s * static_cast<double>(trials.size());
   report.figures(
       {{.label = "trials", .value = std::to_string(trials.size())},
-       {.label = "recorded",
-        .value = fmt::format("{:.0f} min", request.duration_s * static_cast<double>(trials.size()) / 60)},
+       {.label = "recorded", .value = duration_in_words(request.duration_s * static_cast<double>(trials.size()))},
        {.label = "clipped samples", .value = fmt::format("{:.3f} %", 100 * static_cast<double>(clipped) / samples)}});
 
   report.section("Protocol");
