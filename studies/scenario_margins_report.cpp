@@ -190,9 +190,24 @@ void write_scenario_margins(const ScenarioMargins& r, const ScenarioMarginsReque
                 fmt::format("At the tip along the axis: Coulomb friction {} N, encoder step {} mm.",
                             pretty(r.coulomb_N), pretty(1e3 * r.resolution_m))});
   report.section("The K-B map");
-  report.plot(map_plot(families.front(), window, r.loop.gains),
-              "Stable below the curve. Traced, not filled: on the curve a pole pair rings at the frequency in "
-              "`boundaries.csv`.");
+  control::GainWindow near = window;
+  near.damping_high =
+      std::min(window.damping_high, std::max(4 * r.loop.gains.damping_Ns_per_m, 0.03 * window.damping_high));
+  near.stiffness_high = 0;
+  for (const auto& piece : families.front().members.front().pieces) {
+    for (const auto& p : piece.points) {
+      if (p.damping_Ns_per_m <= near.damping_high)
+        near.stiffness_high = std::max(near.stiffness_high, 1.15 * p.stiffness_N_per_m);
+    }
+  }
+  near.stiffness_high = std::max(near.stiffness_high, 1.2 * r.loop.gains.stiffness_N_per_m);
+  auto whole_map = map_plot(families.front(), window, r.loop.gains),
+       near_map = map_plot(families.front(), near, r.loop.gains);
+  whole_map.title = "All of it";
+  near_map.title = "About the gains";
+  report.plots({whole_map, near_map},
+               "Stable below the curve. Traced, not filled: on the curve a pole pair rings at the frequency in "
+               "`boundaries.csv`.");
   std::vector<io::Plot> maps;
   for (std::size_t i = 1; i < families.size(); ++i) {
     auto plot = map_plot(families[i], window, r.loop.gains);

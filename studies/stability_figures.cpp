@@ -166,6 +166,17 @@ io::Plot value_set_figure(const ScenarioMargins& r) {
                   [&](Complex a) { return -a * D / (a + D); }),
         K != r.loop.gains.stiffness_N_per_m);
   }
+  // what lies about the rectangle; the last set may reach far
+  double left = 0, right = 0, low = 0, high = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto& series = plot.series[i];
+    left = std::min(left, *std::min_element(series.x.begin(), series.x.end()));
+    right = std::max(right, *std::max_element(series.x.begin(), series.x.end()));
+    low = std::min(low, *std::min_element(series.y.begin(), series.y.end()));
+    high = std::max(high, *std::max_element(series.y.begin(), series.y.end()));
+  }
+  plot.x_range = {{1.15 * left, right + 0.05 * (right - left)}};
+  plot.y_range = {{1.15 * low, 1.4 * high}};
   return plot;
 }
 

@@ -133,7 +133,7 @@ io::Plot map_plot(const BoundaryFamily& family, const control::GainWindow& windo
       double last_x = 0, last_y = 0;
       for (const auto& p : piece.points) {
         const double step = std::hypot((p.damping_Ns_per_m - last_x) / width, (p.stiffness_N_per_m - last_y) / height);
-        if (step < 0.01 && &p != &piece.points.front() && &p != &piece.points.back()) continue;
+        if (step < 0.006 && &p != &piece.points.front() && &p != &piece.points.back()) continue;
         s.x.push_back(last_x = p.damping_Ns_per_m), s.y.push_back(last_y = p.stiffness_N_per_m);
       }
       s.x.push_back(std::nan("")), s.y.push_back(std::nan(""));
