@@ -1,6 +1,7 @@
 #include "device/stop_signals.h"
 
 #include <csignal>
+#include <initializer_list>
 
 namespace handloop::device {
 namespace {
