@@ -11,6 +11,7 @@ void add_completion_command(CLI::App& program);
 void add_demo_command(CLI::App& program);
 void add_experiment_command(CLI::App& program);
 void add_margins_command(CLI::App& program);
+void add_sweep_command(CLI::App& program);
 void add_uncertainty_command(CLI::App& program);
 void add_plant_command(CLI::App& program);
 void add_run_command(CLI::App& program);
