@@ -6,11 +6,13 @@
 #include <memory>
 
 #include "cli/commands.h"
+#include "io/output.h"
 #include "io/scenario_file.h"
 #include "models/errors.h"
 #include "studies/sweep.h"
 #include "studies/sweep_compare.h"
 #include "studies/sweep_ranks.h"
+#include "studies/sweep_truth.h"
 
 namespace handloop::cli {
 namespace {
@@ -22,6 +24,7 @@ struct Arguments {
   studies::SweepRun run;
   std::string out;
   bool scenario_given = false;
+  std::uint64_t truth_check = 0;
 };
 
 /// "1,234,567".
@@ -67,6 +70,7 @@ void compare_only(const Arguments& a) {
 
 void sweep(Arguments& a) {
   if (!a.scenario_given && !a.compare.empty()) return compare_only(a);
+  a.run.out = a.out;
   a.settings.scenario = io::read_scenario(a.scenario);
   a.settings.scenario_name = std::filesystem::path(a.scenario).stem().string();
   a.settings.stiffness = {a.settings.scenario.loop.stiffness_N_per_m, a.settings.scenario.loop.stiffness_N_per_m, 1};
@@ -83,13 +87,21 @@ void sweep(Arguments& a) {
       a.settings.axes.push_back(models::parse_axis(a.axes.substr(begin, end - begin)));
       begin = end + 1;
     }
+  if (a.truth_check > 0) {
+    std::error_code error;
+    std::filesystem::create_directories(a.run.out, error);
+    if (error) throw InputError(a.out + ": cannot be made: " + error.message());
+    const studies::TruthCheck check = studies::check_truth(a.settings, a.truth_check, a.run.jobs, progress_line());
+    io::write_file_atomically(a.run.out / "truth.csv", check.csv());
+    fmt::print("{}", check.text());
+    return;
+  }
   const double grid = static_cast<double>(a.settings.stiffness.count) * a.settings.damping.count;
   const double evaluations = static_cast<double>(a.settings.arms) * grid;
   if (a.keep != "auto" && a.keep != "all" && a.keep != "cells")
     throw InputError("sweep: --keep '" + a.keep + "' is not known; known are auto, all, cells");
   a.settings.keep_evaluations =
       a.keep == "all" || a.settings.method == studies::SweepMethod::mujoco || (a.keep == "auto" && evaluations <= 2e6);
-  a.run.out = a.out;
   if (!a.compare.empty()) a.run.compare_with = a.compare;
   const std::optional<studies::SweepOutcome> outcome = studies::run_sweep(a.settings, a.run, progress_line());
   if (!outcome) return;
@@ -141,6 +153,9 @@ void add_sweep_command(CLI::App& program) {
                       "without a scenario, DIR is only compared");
   command->add_flag("--fail-on-regression", a->run.fail_on_regression,
                     "With --compare: exit with 1 where significantly fewer arms are stable");
+  command->add_option(
+      "--truth-check", a->truth_check,
+      "Instead of a sweep: N arm and gain points near the boundary, linear loop against MuJoCo, into DIR/truth.csv");
   command->callback([a, scenario] {
     a->scenario_given = scenario->count() > 0;
     try {

@@ -94,7 +94,7 @@ std::size_t ExamResult::named_count() const {
 }
 
 bool ExamResult::named() const {
-  return ran && named_count() == planted.size();
+  return ran && named_count() == planted.size() && (!planted.empty() || false_effects() == 0);
 }
 
 std::size_t ExamResult::false_effects() const {
