@@ -9,6 +9,7 @@
 #include "io/output.h"
 #include "io/scenario_file.h"
 #include "models/errors.h"
+#include "sim/scene_file.h"
 #include "studies/sweep.h"
 #include "studies/sweep_compare.h"
 #include "studies/sweep_ranks.h"
@@ -18,7 +19,7 @@ namespace handloop::cli {
 namespace {
 
 struct Arguments {
-  std::string scenario = HANDLOOP_SOURCE_DIR "/scenes/phantom_wall.toml";
+  std::string scenario = (sim::scenes_directory() / "phantom_wall.toml").string();
   std::string gains, method = "margins", design = "grid", axes, percentiles = "ecdf", keep = "auto", compare, json;
   studies::SweepSettings settings;
   studies::SweepRun run;
@@ -156,6 +157,8 @@ void add_sweep_command(CLI::App& program) {
   command->add_option(
       "--truth-check", a->truth_check,
       "Instead of a sweep: N arm and gain points near the boundary, linear loop against MuJoCo, into DIR/truth.csv");
+  command->footer(
+      "Example: handloop sweep scenes/phantom_wall.toml --arms 1000 --gains k=100:1500:15,b=0:4:5 --out out/sweep");
   command->callback([a, scenario] {
     a->scenario_given = scenario->count() > 0;
     try {

@@ -278,8 +278,8 @@ std::string sweep_report_html(const SweepContents& c) {
                  s.design == SweepDesign::grid
                      ? "Contours at 50 % and 95 %. Disk margin 0: more than 5 % of the arms are unstable there."
                      : "");
-    io::Table table{{"K / (N/m)", "B / (Ns/m)", "stable", "share", "95 % interval", "gain margin p05",
-                     "phase margin p05 / deg", "delay margin p05 / ms", "disk margin p05"},
+    io::Table table{{"K / (N/m)", "B / (Ns/m)", "stable", "share", "95 % interval", "gain p05", "phase p05 / deg",
+                     "delay p05 / ms", "disk p05"},
                     {},
                     ""};
     if (s.method == SweepMethod::mujoco) table.columns.resize(5);
@@ -300,7 +300,10 @@ std::string sweep_report_html(const SweepContents& c) {
       table.rows.push_back(std::move(row));
     }
     if (listed > 400) table.caption = "The first 400 points; all are in sweep.sqlite, table cells.";
+    report.html(fmt::format("<details><summary>{} points in numbers (margins: the 5 % point over the arms)</summary>",
+                            std::min<std::size_t>(listed, 400)));
     report.table(table);
+    report.html("</details>");
   }
   if (c.conditions.size() > kMostMaps)
     report.paragraph(fmt::format("{} more conditions are in `sweep.sqlite` (tables conditions, points, cells).",

@@ -5,6 +5,7 @@
 #pragma GCC diagnostic ignored "-Wold-style-cast"  // macros of mpi.h
 #include <mpi.h>
 
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <thread>
@@ -136,7 +137,13 @@ SweepRanks::~SweepRanks() {
   if (all_alive) {
     MPI_Finalize();
   } else {
-    MPI_Abort(MPI_COMM_WORLD, 0);  // a dead rank would never come to MPI_Finalize; everything is written by now
+    // A dead rank would never come to MPI_Finalize. The others are ended with this process, by its own exit code.
+    on_exit(
+        [](int code, void*) {
+          std::fflush(nullptr);
+          MPI_Abort(MPI_COMM_WORLD, code);
+        },
+        nullptr);
   }
 }
 

@@ -25,9 +25,9 @@ struct TimeDomainVerdict {
   std::uint64_t samples = 0;
 };
 
-/// The linear question in the time domain: the stylus rests on a bilateral wall through the tip, is pushed for 5 ms
-/// with 0.3 N along the axis, and either comes to rest or does not. Encoders, converters, currents, delay and arm are
-/// the scenario's; its hand is still, its wall is everywhere.
+/// The linear question in the time domain: the stylus rests on a bilateral wall through the tip, is pushed so that the
+/// wall answers with about 1.2 N, and either comes to rest or does not. Encoders, converters, currents, delay and arm
+/// are the scenario's; its hand is still, its wall is everywhere.
 class TimeDomainLoop {
  public:
   /// Throws InputError where the scenario cannot be simulated.
@@ -37,9 +37,11 @@ class TimeDomainLoop {
   /// Allocates nothing once the loop is made. Ends as soon as the answer is clear, after 10 s of simulated time at
   /// most.
   ///
-  /// The size of the motion is the rms velocity of the tip in windows of 0.25 s. Stable: it fell to a ten-thousandth of
-  /// the first window, or the swing stayed under 0.1 mm with real electronics (a few encoder counts); unstable: it grew
-  /// to three times that window; failing both, the trend of the last second decides.
+  /// The size of the motion is the rms velocity of the tip in windows of 0.25 s. With ideal electronics stable means
+  /// that it fell to a ten-thousandth of the first window, unstable that it grew to three times that. Real electronics
+  /// leave a motion of a few encoder counts for ever: there stable means that the motion halved since the second
+  /// window, or swings by less than 0.1 mm, unstable that it grew by half. Failing all, the trend of the last second
+  /// decides.
   TimeDomainVerdict judge(double stiffness_N_per_m, double damping_Ns_per_m);
 
   /// Samples of the plant that judge() has run so far.

@@ -16,6 +16,7 @@
 #include <thread>
 
 #include "io/database.h"
+#include "tests/support/paths.h"
 
 extern char** environ;
 
@@ -24,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::vector<std::string> kSweep{"sweep",   HANDLOOP_SOURCE_DIR "/scenes/phantom_wall.toml",
+const std::vector<std::string> kSweep{"sweep",   std::string(HANDLOOP_SOURCE_DIR) + "/scenes/phantom_wall.toml",
                                       "--arms",  "400",
                                       "--gains", "k=100:3000:24,b=0:5:6",
                                       "--seed",  "3",
