@@ -92,6 +92,7 @@ TimeDomainVerdict TimeDomainLoop::judge(double stiffness_N_per_m, double damping
   TimeDomainVerdict verdict;
   for (int w = 0; w < kMostWindows; ++w) {
     double sum = 0, low = INFINITY, high = -INFINITY;
+    bool at_limit = false;
     for (int i = 0; i < window; ++i) {
       const bool within = sample(w == 0 && i < push);
       const sim::PlantTruth truth = plant_.truth();
@@ -100,11 +101,12 @@ TimeDomainVerdict TimeDomainLoop::judge(double stiffness_N_per_m, double damping
         verdict.growth_per_sample = INFINITY;
         return verdict;
       }
-      verdict.saturated = verdict.saturated || (!within && w > 0);
+      at_limit = at_limit || !within;
       sum += truth.tip_m_per_s[axis] * truth.tip_m_per_s[axis];
       low = std::min(low, truth.tip_m[axis]);
       high = std::max(high, truth.tip_m[axis]);
     }
+    verdict.saturated = verdict.saturated || (at_limit && w > 0);
     const auto now = static_cast<std::size_t>(w);
     size[now] = std::sqrt(sum / window);
     verdict.swing_m = high - low;
@@ -119,6 +121,7 @@ TimeDomainVerdict TimeDomainLoop::judge(double stiffness_N_per_m, double damping
       if (verdict.stable) return verdict;
     } else if (w > 1) {  // the first two windows hold what dies at once, whatever the wall
       if (size[now] > kGrownByHalf * size[1] && verdict.swing_m > kQuiet_m) return verdict;
+      if (at_limit && w + 1 >= 2 * kLeastWindows) return verdict;  // it rings at what the motors can give
       verdict.stable = size[now] < kHalved * size[1] || verdict.swing_m < kQuiet_m;
       if (verdict.stable) return verdict;
     }

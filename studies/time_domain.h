@@ -40,8 +40,8 @@ class TimeDomainLoop {
   /// The size of the motion is the rms velocity of the tip in windows of 0.25 s. With ideal electronics stable means
   /// that it fell to a ten-thousandth of the first window, unstable that it grew to three times that. Real electronics
   /// leave a motion of a few encoder counts for ever: there stable means that the motion halved since the second
-  /// window, or swings by less than 0.1 mm, unstable that it grew by half. Failing all, the trend of the last second
-  /// decides.
+  /// window, or swings by less than 0.1 mm, unstable that it grew by half or still rings at the current limit after 2
+  /// s. Failing all, the trend of the last second decides.
   TimeDomainVerdict judge(double stiffness_N_per_m, double damping_Ns_per_m);
 
   /// Samples of the plant that judge() has run so far.
