@@ -9,7 +9,9 @@ namespace handloop::cli {
 void add_arm_command(CLI::App& program);
 void add_completion_command(CLI::App& program);
 void add_demo_command(CLI::App& program);
+void add_effects_command(CLI::App& program);
 void add_experiment_command(CLI::App& program);
+void add_explain_command(CLI::App& program);
 void add_margins_command(CLI::App& program);
 void add_sweep_command(CLI::App& program);
 void add_uncertainty_command(CLI::App& program);

@@ -59,7 +59,9 @@ int main(int argc, char** argv) {
   program.require_subcommand(1);
   handloop::cli::add_arm_command(program);
   handloop::cli::add_demo_command(program);
+  handloop::cli::add_effects_command(program);
   handloop::cli::add_experiment_command(program);
+  handloop::cli::add_explain_command(program);
   handloop::cli::add_margins_command(program);
   handloop::cli::add_plant_command(program);
   handloop::cli::add_run_command(program);

@@ -8,6 +8,8 @@ const EffectInfo kInfo{
     .title = "Added mass",
     .equation = "F = mass_kg a, moving with the grip beyond the force sensor (grasp, joint) or with the arm",
     .source = "I. Newton 1687; stylus and gimbal of Fu and Cavusoglu II-B hang there",
+    .fingerprint = "force in proportion to the acceleration of the grip",
+    .experiment = "excitation up to 60 Hz, or the same trial with a known mass added",
     .places = {Place::grasp, Place::joint, Place::arm},
     .parameters =
         {{"mass_kg", "kg", 0.0, 100.0, 0.05, "of what moves along", {Role::shape, 0.01, 0.1, 3, Scale::absolute}}},

@@ -10,6 +10,8 @@ const EffectInfo kInfo{
     .title = "Asymmetric stiffness",
     .equation = "F = 1/2 difference_N_per_m |x|: stiffer by the difference for x > 0 than for x < 0",
     .source = "flexors and extensors differ; even part of a piecewise linear spring",
+    .fingerprint = "even force: stiffer to one side",
+    .experiment = "steps to both sides of the rest position",
     .places = {Place::arm, Place::grasp, Place::joint},
     .parameters = {{"difference_N_per_m", "N/m", -1e6, 1e6, 50.0, "stiffness for x > 0 less that for x < 0"}},
     .search_places = {Place::arm, Place::grasp},

@@ -11,6 +11,8 @@ const EffectInfo kInfo{
     .title = "Backlash of the grasp",
     .equation = "F = -k clamp(x, -gap_m/2, gap_m/2): within the gap the spring beside it does not act",
     .source = "dead zone; Nordin and Gutman, Automatica 38 (2002) 1633",
+    .fingerprint = "no stiffness near zero extension of the grasp",
+    .experiment = "repeat at a fifth of the force: the gap takes all of the motion",
     .places = {Place::grasp, Place::arm},
     .parameters =
         {{"gap_m", "m", 0.0, 0.1, 0.001, "whole width of the dead zone", {Role::shape, 0.1, 3, 5, Scale::position}}},

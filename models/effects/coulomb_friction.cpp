@@ -9,6 +9,8 @@ const EffectInfo kInfo{
     .title = "Coulomb friction",
     .equation = "F = force_N tanh(v / smoothing_m_per_s)",
     .source = "C.-A. Coulomb 1785; smoothed as in Andersson et al., Tribology Int. 40 (2007) 580",
+    .fingerprint = "force that follows the sign of the velocity, whatever its size",
+    .experiment = "repeat at a third of the force: the share of dry friction grows",
     .places = {Place::arm, Place::joint, Place::grasp},
     .parameters = {{"force_N", "N", 0.0, 1e4, 0.15, "friction once it slides"},
                    {"smoothing_m_per_s",

@@ -8,6 +8,8 @@ const EffectInfo kInfo{
     .title = "Cubic stiffness",
     .equation = "F = coefficient_N_per_m3 x^3",
     .source = "G. Duffing 1918; hardening where positive, softening where negative",
+    .fingerprint = "odd force that grows with the cube of displacement",
+    .experiment = "repeat at twice the force: its share grows fourfold",
     .places = {Place::arm, Place::grasp, Place::joint},
     .parameters = {{"coefficient_N_per_m3", "N/m^3", -1e12, 1e12, 1e6, "force at 1 m, were it still cubic there"}},
     .search_places = {Place::arm, Place::grasp},

@@ -57,11 +57,13 @@ struct EffectParameter {
 
 /// What is known of an effect before it has any value.
 struct EffectInfo {
-  std::string_view name;      ///< as in CONTRACT: "coulomb_friction"
-  std::string_view title;     ///< "Coulomb friction"
-  std::string_view equation;  ///< plain text, with the parameter names
-  std::string_view source;    ///< paper or textbook
-  std::vector<Place> places;  ///< where it may act, the usual place first
+  std::string_view name;         ///< as in CONTRACT: "coulomb_friction"
+  std::string_view title;        ///< "Coulomb friction"
+  std::string_view equation;     ///< plain text, with the parameter names
+  std::string_view source;       ///< paper or textbook
+  std::string_view fingerprint;  ///< what a residual shows where the effect is missing
+  std::string_view experiment;   ///< what would set it apart from its rivals
+  std::vector<Place> places;     ///< where it may act, the usual place first
   std::vector<EffectParameter> parameters;
   std::vector<Place> search_places = {};  ///< where a search looks for it; empty: found by other means
 

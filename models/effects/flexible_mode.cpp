@@ -15,6 +15,8 @@ const EffectInfo kInfo{
     .source =
         "vibration absorber, Den Hartog, Mechanical Vibrations, ch. 3; modes of the Phantom: Diaz and Gil, TRO 26 "
         "(2010) 160",
+    .fingerprint = "resonance and antiresonance coherent with the input",
+    .experiment = "excitation concentrated about the found frequency",
     .places = {Place::arm, Place::joint},
     .parameters =
         {{"mass_kg", "kg", 0.0, 1e3, 0.05, "that rides on the spring"},

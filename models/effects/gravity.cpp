@@ -10,6 +10,8 @@ const EffectInfo kInfo{
     .title = "Gravity",
     .equation = "F = sine_N sin(x / length_m) + cosine_N cos(x / length_m)",
     .source = "weight of a link of lever length_m; for a rotary axis length_m = 1 and x is its angle",
+    .fingerprint = "constant force that turns with position",
+    .experiment = "the same trial at a second posture",
     .places = {Place::arm, Place::joint},
     .parameters = {{"sine_N", "N", -1e4, 1e4, 0.0, "weight (or its greatest moment) where x = 0 hangs straight down"},
                    {"cosine_N", "N", -1e4, 1e4, 1.0, "weight (or its greatest moment) where x = 0 is level"},

@@ -11,6 +11,8 @@ const EffectInfo kInfo{
     .title = "Hysteresis (Bouc-Wen)",
     .equation = "F = force_N z, z' = (v - shape |v| |z|^(exponent-1) z + (shape - 1) v |z|^exponent) / yield_m",
     .source = "R. Bouc 1967, Y.-K. Wen 1976, normalised by Ikhouane and Rodellar (2007), eq. (2.24)",
+    .fingerprint = "loop in force over displacement that does not depend on speed",
+    .experiment = "slow triangles of displacement with inner loops",
     .places = {Place::arm, Place::grasp, Place::joint},
     .parameters = {{"force_N", "N", 0.0, 1e4, 0.2, "force at which it yields"},
                    {"yield_m",

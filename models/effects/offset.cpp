@@ -8,6 +8,8 @@ const EffectInfo kInfo{
     .title = "Offset",
     .equation = "at the actuator the plant receives force + force_N; at the sensor position + position_m is read",
     .source = "zero of an amplifier, a sensor or a posture",
+    .fingerprint = "constant error",
+    .experiment = "a record at rest before and after",
     .places = {Place::actuator, Place::sensor},
     .parameters = {{"force_N", "N", -1e4, 1e4, 0.0, "constant force added (actuator)"},
                    {"position_m", "m", -10.0, 10.0, 0.0, "constant position added (sensor)"}},

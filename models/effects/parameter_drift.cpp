@@ -9,6 +9,8 @@ const EffectInfo kInfo{
     .equation = "F = t (stiffness_rate_N_per_m_s x + damping_rate_Ns_per_m_s v + mass_rate_kg_per_s a)",
     .source =
         "fatigue and change of grasp over a trial (Fu and Cavusoglu II-C); linear in time from the record's start",
+    .fingerprint = "error that grows with time in the record",
+    .experiment = "a second record right after the first, and one after a rest",
     .places = {Place::arm, Place::grasp},
     .parameters = {{"stiffness_rate_N_per_m_s", "N/m/s", -1e5, 1e5, 0.5,
                     "change of the stiffness beside it each second"},

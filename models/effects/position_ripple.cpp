@@ -11,6 +11,8 @@ const EffectInfo kInfo{
     .title = "Position ripple (cogging)",
     .equation = "F = sine_N sin(2 pi x / period_m) + cosine_N cos(2 pi x / period_m)",
     .source = "cogging of motors, ripple of capstans and gears; Mohan, Electric Drives, ch. 10",
+    .fingerprint = "force periodic in position",
+    .experiment = "slow sweep over several periods",
     .places = {Place::arm, Place::joint},
     .parameters =
         {{"sine_N", "N", -1e4, 1e4, 0.1, "odd part of the ripple"},

@@ -11,6 +11,8 @@ const EffectInfo kInfo{
     .title = "Quadratic damping",
     .equation = "F = coefficient_Ns2_per_m2 |v| v",
     .source = "drag at high Reynolds number; Gelb and Vander Velde 1968, table of random-input describing functions",
+    .fingerprint = "odd force that grows with the square of the velocity",
+    .experiment = "repeat at twice the force: its share doubles",
     .places = {Place::arm, Place::joint, Place::grasp},
     .parameters = {{"coefficient_Ns2_per_m2", "Ns^2/m^2", 0.0, 1e6, 10.0, "force at 1 m/s"}},
     .search_places = {Place::arm},

@@ -8,6 +8,8 @@ const EffectInfo kInfo{
     .title = "Sensor lag",
     .equation = "time_constant_s y' = u - y",
     .source = "first-order sensor, amplifier or smoothing filter",
+    .fingerprint = "phase that falls and size that shrinks as of a first-order lag",
+    .experiment = "excitation up to 60 Hz: a lag levels off, a delay keeps falling",
     .places = {Place::sensor, Place::actuator},
     .parameters = {{"time_constant_s",
                     "s",

@@ -9,6 +9,8 @@ const EffectInfo kInfo{
     .title = "Stribeck friction",
     .equation = "F = (force_N + excess_N exp(-(v / stribeck_m_per_s)^2)) tanh(v / smoothing_m_per_s)",
     .source = "R. Stribeck 1902; Armstrong-Helouvry, Dupont and Canudas de Wit, Automatica 30 (1994) 1083, eq. (8)",
+    .fingerprint = "force that follows the sign of the velocity and falls as it grows",
+    .experiment = "repeat at a fifth of the force: breakaway shows where motion is slow",
     .places = {Place::arm, Place::joint, Place::grasp},
     .parameters = {{"force_N", "N", 0.0, 1e4, 0.1, "friction at speed"},
                    {"excess_N", "N", 0.0, 1e4, 0.1, "what breakaway takes beyond it"},

@@ -42,6 +42,8 @@ const EffectInfo& tabulated_info() {
             "F = table(x, v), bilinear between 11 displacements and 11 velocities; force_<i>_<j>_N at displacement i, "
             "velocity j",
         .source = "what no catalogued effect explains; measured, not understood",
+        .fingerprint = "dependence on displacement and velocity that no name fits",
+        .experiment = "repeat at half the force and at a second posture",
         .places = {Place::arm, Place::joint, Place::grasp},
         .parameters =
             {{"centre_m", "m", -10.0, 10.0, 0.0, "displacement in the middle of the table", {Role::choice}},

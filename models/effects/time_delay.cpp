@@ -8,6 +8,8 @@ const EffectInfo kInfo{
     .title = "Time delay",
     .equation = "y(t) = u(t - delay_s)",
     .source = "transport, computation or communication between the signal and its record",
+    .fingerprint = "phase that falls in proportion to frequency, no loss of size",
+    .experiment = "excitation up to 60 Hz: a delay keeps falling, a lag levels off",
     .places = {Place::sensor, Place::actuator},
     .parameters =
         {{"delay_s", "s", 0.0, 0.2, 0.005, "how late the signal is", {Role::shape, 0.001, 0.04, 4, Scale::absolute}}},

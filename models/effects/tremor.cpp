@@ -12,6 +12,8 @@ const EffectInfo kInfo{
     .title = "Tremor",
     .equation = "F = -amplitude_N sqrt(2) sum of seven sines of equal power within frequency_Hz +- bandwidth_Hz/2",
     .source = "physiological tremor 8-12 Hz, Elble and Koller 1990; no feedback, so it moves no margin",
+    .fingerprint = "spectral line that the input does not explain",
+    .experiment = "the same posture without excitation",
     .places = {Place::arm},
     .parameters = {{"amplitude_N", "N", 0.0, 1e3, 0.05, "rms of the force on the arm"},
                    {"frequency_Hz", "Hz", 1.0, 60.0, 9.0, "centre of the band"},

@@ -8,6 +8,8 @@ const EffectInfo kInfo{
     .title = "Viscoelastic relaxation (Maxwell element)",
     .equation = "F = stiffness_N_per_m z, z' = v - z / time_constant_s",
     .source = "J. C. Maxwell 1867; standard linear solid of muscle and tendon (Fung, Biomechanics, 1993, ch. 2)",
+    .fingerprint = "force that fades after a displacement",
+    .experiment = "a step held for ten time constants",
     .places = {Place::arm, Place::grasp, Place::joint},
     .parameters = {{"stiffness_N_per_m", "N/m", 0.0, 1e7, 50.0, "of the relaxing spring"},
                    {"time_constant_s",

@@ -1,0 +1,381 @@
+#include "identify/explain/candidates.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "identify/explain/signals.h"
+
+namespace handloop::identify {
+namespace {
+
+using models::AxisModel;
+using models::EffectParameter;
+using models::Place;
+using models::Role;
+using models::Scale;
+
+struct MotionScale {
+  double x = 1e-3, v = 1e-2;
+};
+
+MotionScale scale_at(const Trajectory& motion, Place place) {
+  const auto& at = motion.at(place == Place::sensor || place == Place::actuator ? Place::arm : place);
+  return {std::max(standard_deviation(at.x_m), 1e-12), std::max(standard_deviation(at.v_m_per_s), 1e-12)};
+}
+
+double unit_of(const EffectParameter& parameter, const MotionScale& scale) {
+  switch (parameter.search.scale) {
+    case Scale::position:
+      return scale.x;
+    case Scale::velocity:
+      return scale.v;
+    case Scale::absolute:
+      break;
+  }
+  return 1.0;
+}
+
+/// Starts of a shape parameter, in its own unit.
+std::vector<double> starts(const EffectParameter& parameter, const MotionScale& scale) {
+  const auto& search = parameter.search;
+  const double unit = unit_of(parameter, scale);
+  std::vector<double> values;
+  for (int i = 0; i < search.points; ++i) {
+    const double share = search.points > 1 ? static_cast<double>(i) / (search.points - 1) : 0.5;
+    values.push_back(
+        std::clamp(unit * search.from * std::pow(search.to / search.from, share), parameter.lower, parameter.upper));
+  }
+  return values;
+}
+
+/// Free parameters that an effect brings with it; shapes stay within a sane reach of where they are looked for.
+std::vector<FreeParameter> effect_parameters(const models::Effect& effect, int number, const MotionScale& scale) {
+  std::vector<FreeParameter> free;
+  const auto& parameters = effect.info().parameters;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const auto& parameter = parameters[i];
+    if (parameter.search.role == Role::choice) continue;
+    if (effect.info().name == "offset" && (parameter.name == "force_N") != (effect.place() == Place::actuator))
+      continue;
+    if (effect.info().name == "parameter_drift" && effect.place() == Place::grasp &&
+        parameter.name == "mass_rate_kg_per_s")
+      continue;
+    FreeParameter p{
+        std::string(parameter.name), number, static_cast<int>(i), parameter.lower, parameter.upper, false, 1.0};
+    if (parameter.search.role == Role::shape) {
+      const double unit = unit_of(parameter, scale);
+      p.lower = std::max(parameter.lower, 0.5 * unit * parameter.search.from);
+      p.upper = std::min(parameter.upper, 2.5 * unit * parameter.search.to);
+      if (effect.info().name == "position_ripple") p.upper = std::min(parameter.upper, unit * parameter.search.to);
+      p.logarithmic = p.lower > 0;
+    }
+    const double value = effect.parameters()[i];
+    p.scale = value != 0 ? std::abs(value) : std::max(std::abs(parameter.typical), 1e-3);
+    free.push_back(p);
+  }
+  return free;
+}
+
+AxisModel with_effect(const AxisModel& model, const Variant& variant) {
+  AxisModel extended = model;
+  extended.effects.push_back(models::make_effect(variant.type->info.name, variant.place, variant.values));
+  return extended;
+}
+
+/// What the model's own parameters can take away from a signal: an orthonormal basis of their sensitivities.
+class OwnDirections {
+ public:
+  explicit OwnDirections(const Eigen::MatrixXd& sensitivities) {
+    Eigen::MatrixXd scaled = sensitivities;
+    for (Eigen::Index j = 0; j < scaled.cols(); ++j) {
+      const double size = scaled.col(j).norm();
+      if (size > 0) scaled.col(j) /= size;
+    }
+    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(scaled);
+    const auto rank = qr.rank();
+    basis_ = qr.householderQ() * Eigen::MatrixXd::Identity(scaled.rows(), rank);
+  }
+  Eigen::VectorXd remove(const Eigen::VectorXd& signal) const {
+    return signal - basis_ * (basis_.transpose() * signal);
+  }
+
+ private:
+  Eigen::MatrixXd basis_;
+};
+
+Eigen::VectorXd as_vector(const std::vector<double>& values) {
+  return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+}
+
+/// Sum of a score over its scatter between blocks of one second.
+double block_statistic(const Eigen::VectorXd& residual, const Eigen::VectorXd& direction, Eigen::Index block) {
+  double sum = 0, squares = 0;
+  for (Eigen::Index from = 0; from + block <= residual.size(); from += block) {
+    const double score = residual.segment(from, block).dot(direction.segment(from, block));
+    sum += score;
+    squares += score * score;
+  }
+  return squares > 0 ? sum / std::sqrt(squares) : 0.0;
+}
+
+/// Calls `visit` with every combination of shape starts.
+template <class Visit>
+void for_each_start(const Variant& variant, const MotionScale& scale, Visit&& visit) {
+  const auto& parameters = variant.type->info.parameters;
+  std::vector<std::size_t> shapes;
+  std::vector<std::vector<double>> values;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    if (parameters[i].search.role != Role::shape) continue;
+    shapes.push_back(i);
+    values.push_back(starts(parameters[i], scale));
+  }
+  std::vector<std::size_t> at(shapes.size(), 0);
+  while (true) {
+    auto trial = variant.values;
+    for (std::size_t k = 0; k < shapes.size(); ++k) trial[shapes[k]] = values[k][at[k]];
+    visit(trial);
+    std::size_t k = 0;
+    while (k < at.size() && ++at[k] == values[k].size()) at[k++] = 0;
+    if (k == at.size()) return;
+  }
+}
+
+}  // namespace
+
+std::string Hypothesis::effect_names() const {
+  std::string names;
+  for (const auto& effect : model.effects) names.append(names.empty() ? "" : " + ").append(effect->info().name);
+  return names;
+}
+
+std::vector<Variant> search_variants(const AxisModel& model, DrivenBy driven_by) {
+  std::vector<Variant> variants;
+  const bool msd = model.base == models::BaseModel::msd;
+  for (const auto& type : models::effect_catalogue()) {
+    const auto& info = type.info;
+    const bool present = std::any_of(model.effects.begin(), model.effects.end(),
+                                     [&](const auto& e) { return e->info().name == info.name; });
+    if (present) continue;
+    bool arm_done = false;
+    for (const Place place : info.search_places) {
+      // with mass, spring and damper to ground there is one motion only: grip and arm are the same
+      if (msd && place == Place::grasp) continue;
+      if (msd && place == Place::joint && arm_done) continue;
+      if (!msd && place == Place::arm && info.name == "backlash") continue;  // CONTRACT: of the grasp
+      // slow wander hides a constant from a simulated position: offsets are judged apart there, on the plain error
+      if (driven_by == DrivenBy::force && info.name == "offset") continue;
+      // along a line, gravity is a constant: an offset
+      if (info.name == "gravity" && !model.rotary) continue;
+      if (info.name == "offset" && place == Place::sensor && !msd) continue;
+      arm_done = arm_done || place == Place::arm;
+      Variant variant{&type, place, {}};
+      std::vector<std::pair<std::size_t, std::vector<double>>> choices;
+      for (std::size_t i = 0; i < info.parameters.size(); ++i) {
+        const auto& [role, from, to, points, scale] = info.parameters[i].search;
+        variant.values.push_back(info.parameters[i].typical);
+        if (role != Role::choice) continue;
+        std::vector<double> values;
+        for (int k = 0; k < points; ++k) values.push_back(points > 1 ? from + (to - from) * k / (points - 1) : from);
+        choices.emplace_back(i, values);
+      }
+      std::vector<Variant> chosen{variant};
+      for (const auto& [index, values] : choices) {
+        std::vector<Variant> next;
+        for (const auto& one : chosen) {
+          for (const double value : values) {
+            next.push_back(one);
+            next.back().values[index] = std::clamp(value, info.parameters[index].lower, info.parameters[index].upper);
+          }
+        }
+        chosen = std::move(next);
+      }
+      variants.insert(variants.end(), chosen.begin(), chosen.end());
+    }
+  }
+  return variants;
+}
+
+std::vector<ScanResult> scan(const Prediction& given, const Hypothesis& from, const std::vector<Variant>& variants) {
+  const Prediction prediction = with_hold(given, from.hold);
+  const auto motion = prediction.run(from.model, true);
+  const Eigen::VectorXd residual = as_vector(prediction.train_residual(from.model));
+  const OwnDirections own(sensitivity(prediction, from.model, from.free));
+  const Eigen::VectorXd left = own.remove(residual);
+  const double power = residual.squaredNorm();
+  const auto settings = prediction.options(false);
+  const double input_rms = prediction.driven_by() == DrivenBy::force
+                               ? standard_deviation(prediction.recording().force_N)
+                               : standard_deviation(prediction.measured());
+  const auto block =
+      static_cast<Eigen::Index>(std::max(1.0, std::min(1 / prediction.sample_time_s(), prediction.filter().rate_Hz)));
+  std::vector<ScanResult> results;
+  for (const auto& variant : variants) {
+    const auto& parameters = variant.type->info.parameters;
+    const auto scale = scale_at(motion, variant.place);
+    std::vector<std::size_t> gains;
+    for (std::size_t i = 0; i < parameters.size(); ++i) {
+      if (parameters[i].search.role == Role::gain) gains.push_back(i);
+    }
+    ScanResult best{variant, -1.0};
+    std::size_t starts_tried = 0;
+    for_each_start(variant, scale, [&](std::vector<double> trial) {
+      ++starts_tried;
+      const bool on_signal = variant.place == Place::sensor || variant.place == Place::actuator;
+      if (gains.empty() || on_signal) {
+        // no gain to scale by: a whole step with the parameters as they are
+        if (on_signal && !gains.empty()) {
+          const std::size_t gain = variant.place == Place::actuator ? gains.front() : gains.back();
+          trial[gain] = variant.place == Place::actuator ? 0.05 * input_rms : 0.05 * scale.x;
+        }
+        const auto moved = prediction.train_residual(with_effect(from.model, {variant.type, variant.place, trial}));
+        if (moved.size() != static_cast<std::size_t>(residual.size())) return;
+        const Eigen::VectorXd direction = own.remove(residual - as_vector(moved));
+        const double size = direction.squaredNorm();
+        if (!(size > 1e-10 * power)) return;
+        const double along = left.dot(direction);
+        const bool admissible = along > 0 || !gains.empty();
+        const double share = admissible ? along * along / size / power : 0.0;
+        if (share > best.share) {
+          if (!gains.empty()) {
+            const std::size_t gain = variant.place == Place::actuator ? gains.front() : gains.back();
+            trial[gain] *= along / size;
+          }
+          best = {{variant.type, variant.place, trial}, share, block_statistic(left, along * direction, block)};
+        }
+        return;
+      }
+      // forces are proportional to their gains: one response each, gains by least squares
+      Eigen::MatrixXd directions(residual.size(), static_cast<Eigen::Index>(gains.size()));
+      std::vector<double> reference(gains.size());
+      for (std::size_t g = 0; g < gains.size(); ++g) {
+        auto alone = trial;
+        for (const std::size_t other : gains) alone[other] = 0.0;
+        reference[g] = std::clamp(1.0, parameters[gains[g]].lower, parameters[gains[g]].upper);
+        alone[gains[g]] = reference[g];
+        const auto effect = models::make_effect(variant.type->info.name, variant.place, alone);
+        const auto response = first_order_response(from.model, motion, *effect, prediction.driven_by(), settings);
+        directions.col(static_cast<Eigen::Index>(g)) = own.remove(as_vector(prediction.filtered_train(response)));
+      }
+      // solve in unit-norm columns; a column that does nothing gets nothing
+      Eigen::VectorXd size(directions.cols());
+      for (Eigen::Index g = 0; g < directions.cols(); ++g) {
+        size[g] = directions.col(g).norm();
+        if (size[g] > 0 && std::isfinite(size[g]))
+          directions.col(g) /= size[g];
+        else
+          directions.col(g).setZero();
+      }
+      Eigen::VectorXd coefficients = directions.colPivHouseholderQr().solve(left);
+      for (Eigen::Index g = 0; g < coefficients.size(); ++g) {
+        const auto& parameter = parameters[gains[static_cast<std::size_t>(g)]];
+        const double value = size[g] > 0 ? coefficients[g] / size[g] * reference[static_cast<std::size_t>(g)] : 0.0;
+        const double possible = std::clamp(value, parameter.lower, parameter.upper);
+        if (possible != value) coefficients[g] = 0;  // not admissible: this gain stays at its bound
+        trial[gains[static_cast<std::size_t>(g)]] = possible;
+      }
+      const Eigen::VectorXd taken = directions * coefficients;
+      const double share = (2 * left.dot(taken) - taken.squaredNorm()) / power;
+      if (share > best.share) best = {{variant.type, variant.place, trial}, share, block_statistic(left, taken, block)};
+    });
+    best.starts = starts_tried;
+    if (best.share >= 0) results.push_back(best);
+  }
+  std::sort(results.begin(), results.end(), [](const auto& a, const auto& b) { return a.share > b.share; });
+  return results;
+}
+
+Prediction with_hold(const Prediction& prediction, Hold hold) {
+  Prediction other = prediction;
+  other.set_hold(hold);
+  return other;
+}
+
+Hypothesis reconsider_hold(const Prediction& prediction, Hypothesis hypothesis) {
+  if (prediction.driven_by() != DrivenBy::force) return hypothesis;
+  Hypothesis turned = hypothesis;
+  turned.hold = hypothesis.hold == Hold::first_order ? Hold::zero_order : Hold::first_order;
+  auto other = refit(prediction, turned, {.most_iterations = 12, .tolerance = 1e-6});
+  return other && other->train_cost < hypothesis.train_cost ? std::move(*other) : hypothesis;
+}
+
+std::optional<Hypothesis> refit(const Prediction& given, const Hypothesis& from, const FitOptions& options) {
+  const Prediction prediction = with_hold(given, from.hold);
+  const auto result = fit(prediction, from.model, from.free, options);
+  if (!result.ok) return std::nullopt;
+  Hypothesis fitted{result.model, from.free, result.cost, from.hold, prediction.errors(result.model)};
+  if (!fitted.errors.finite) return std::nullopt;
+  return fitted;
+}
+
+std::optional<Hypothesis> extend(const Prediction& prediction, const Hypothesis& from, const Variant& variant,
+                                 const FitOptions& options) {
+  const auto motion = with_hold(prediction, from.hold).run(from.model, true);
+  const auto scale = scale_at(motion, variant.place);
+  const auto& parameters = variant.type->info.parameters;
+  const bool has_gain =
+      std::any_of(parameters.begin(), parameters.end(), [](const auto& p) { return p.search.role == Role::gain; });
+  std::optional<Hypothesis> best;
+  // a whole first-order step may overshoot into divergence or into another valley: then from near nothing as well
+  for (const double share : {0.7, 0.1}) {
+    auto start = variant;
+    for (std::size_t i = 0; i < parameters.size(); ++i) {
+      if (parameters[i].search.role == Role::gain)
+        start.values[i] = std::clamp(share * start.values[i], parameters[i].lower, parameters[i].upper);
+    }
+    Hypothesis extended = from;
+    extended.model = with_effect(from.model, start);
+    const int number = static_cast<int>(from.model.effects.size());
+    for (const auto& p : effect_parameters(*extended.model.effects.back(), number, scale)) extended.free.push_back(p);
+    auto fitted = refit(prediction, extended, options);
+    if (fitted && (!best || fitted->train_cost < best->train_cost)) best = std::move(fitted);
+    if (!has_gain || (best && best->train_cost < 1.0001 * from.train_cost)) break;
+  }
+  return best;
+}
+
+Hypothesis pruned(const Prediction& prediction, const Hypothesis& from) {
+  Hypothesis kept = from;
+  for (std::size_t i = 0; i < kept.free.size();) {
+    const auto& p = kept.free[i];
+    const auto gain = [&](const FreeParameter& q) {
+      return q.effect == p.effect && kept.model.effects[q.effect]->info().parameters[q.index].search.role == Role::gain;
+    };
+    const bool removable = p.effect >= 0 && p.lower <= 0 && gain(p) &&
+                           std::count_if(kept.free.begin(), kept.free.end(), gain) > 1 &&
+                           kept.model.effects[p.effect]->info().name != "position_ripple";
+    if (!removable) {
+      ++i;
+      continue;
+    }
+    Eigen::VectorXd values = get_values(kept.model, kept.free);
+    values[static_cast<Eigen::Index>(i)] = 0;
+    Hypothesis less = kept;
+    less.model = with_values(kept.model, kept.free, values);
+    less.free.erase(less.free.begin() + static_cast<std::ptrdiff_t>(i));
+    const auto fitted =
+        fit(with_hold(prediction, less.hold), less.model, less.free, {.most_iterations = 12, .tolerance = 1e-5});
+    if (fitted.ok && fitted.cost < 1.01 * kept.train_cost) {
+      less.model = fitted.model;
+      less.train_cost = fitted.cost;
+      kept = std::move(less);
+    } else {
+      ++i;
+    }
+  }
+  return kept;
+}
+
+std::optional<Hypothesis> without(const Prediction& prediction, const Hypothesis& from, std::size_t effect) {
+  Hypothesis reduced = from;
+  reduced.model.effects.erase(reduced.model.effects.begin() + static_cast<std::ptrdiff_t>(effect));
+  reduced.free.clear();
+  for (auto p : from.free) {
+    if (p.effect == static_cast<int>(effect)) continue;
+    if (p.effect > static_cast<int>(effect)) --p.effect;
+    reduced.free.push_back(p);
+  }
+  return refit(prediction, reduced);
+}
+
+}  // namespace handloop::identify

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <vector>
+
+#include "identify/explain/fit.h"
+
+namespace handloop::identify {
+
+/// An effect of the catalogue at one place, with every choice made: what a search tries.
+struct Variant {
+  const models::EffectType* type = nullptr;
+  models::Place place = models::Place::arm;
+  std::vector<double> values;  ///< in the order of the info's parameters; choices as chosen
+};
+
+/// A model with the parameters that belong to it and how well it predicts.
+struct Hypothesis {
+  models::AxisModel model;
+  std::vector<FreeParameter> free;
+  double train_cost = 0.0;        ///< mean square of the filtered training error
+  Hold hold = Hold::first_order;  ///< what the force does between samples, as this model sees it
+  Errors errors;
+
+  std::string effect_names() const;  ///< "reflex_feedback + cubic_stiffness", "" for the base model
+};
+
+/// A variant with good values to start a fit from, and how much of the training error's power a first-order step
+/// towards it would take away (score test: the residual projected on what the effect would do, the parts that the
+/// model's own parameters can do taken out).
+struct ScanResult {
+  Variant variant;
+  double share = 0.0;
+  double statistic = 0.0;  ///< the same as a number of standard deviations, from the scatter between seconds
+  std::size_t starts = 0;  ///< how many were tried to find it
+};
+
+/// All variants that make sense for this base model and input, those whose effects the model already has left out.
+std::vector<Variant> search_variants(const models::AxisModel& model, DrivenBy driven_by);
+
+/// Scores every variant without refitting; best first.
+std::vector<ScanResult> scan(const Prediction& prediction, const Hypothesis& from,
+                             const std::vector<Variant>& variants);
+
+/// Adds the variant to the hypothesis and fits everything together. Nothing where no finite fit was found.
+std::optional<Hypothesis> extend(const Prediction& prediction, const Hypothesis& from, const Variant& variant,
+                                 const FitOptions& options = {});
+
+/// The prediction problem with the hold of a hypothesis. Every function below sees to that itself.
+Prediction with_hold(const Prediction& prediction, Hold hold);
+
+/// The better of the hypothesis as it is and refitted with the other hold: a model that misses an effect may choose
+/// wrongly.
+Hypothesis reconsider_hold(const Prediction& prediction, Hypothesis hypothesis);
+
+/// Fits the hypothesis' own parameters again and judges it.
+std::optional<Hypothesis> refit(const Prediction& prediction, const Hypothesis& from, const FitOptions& options = {});
+
+/// Takes out gains the data does not ask for: of an effect with several, each one that can be left at zero while the
+/// training error's power grows by less than 1 %.
+Hypothesis pruned(const Prediction& prediction, const Hypothesis& from);
+
+/// Without its effect number `effect`, refitted.
+std::optional<Hypothesis> without(const Prediction& prediction, const Hypothesis& from, std::size_t effect);
+
+}  // namespace handloop::identify

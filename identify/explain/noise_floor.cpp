@@ -1,0 +1,96 @@
+#include "identify/explain/noise_floor.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "identify/explain/signals.h"
+#include "identify/spectra.h"
+
+namespace handloop::identify {
+namespace {
+
+constexpr double kWanderBelow_Hz = 0.5;
+
+double power_between(const Spectra& spectra, const std::vector<double>& weight, double from_Hz, double to_Hz) {
+  double sum = 0;
+  const double width = spectra.frequency_Hz.size() > 1 ? spectra.frequency_Hz[1] - spectra.frequency_Hz[0] : 0.0;
+  for (std::size_t i = 0; i < spectra.frequency_Hz.size(); ++i) {
+    if (spectra.frequency_Hz[i] >= from_Hz && spectra.frequency_Hz[i] < to_Hz)
+      sum += weight[i] * spectra.output_power[i] * width;
+  }
+  return sum;
+}
+
+}  // namespace
+
+NoiseFloor estimate_noise_floor(const Prediction& prediction, const models::AxisModel& base) {
+  const double h = prediction.sample_time_s();
+  const auto& output = prediction.measured();
+  const auto& input =
+      prediction.driven_by() == DrivenBy::force ? prediction.recording().force_N : prediction.recording().position_m;
+  const auto run = prediction.run(base, false, true);
+  std::vector<double> residual(output.size());
+  for (std::size_t i = 0; i < residual.size(); ++i) residual[i] = output[i] - (run.finite ? run.output[i] : 0.0);
+
+  NoiseFloor floor;
+  const double nyquist = 0.5 / h;
+  auto settings = long_segment_settings(residual.size(), h, nyquist);
+  const auto of_output = welch(input, residual, h, settings);
+  const std::vector<double> one(of_output.frequency_Hz.size(), 1.0);
+  const double from = 0.6 * nyquist, to = 0.95 * nyquist;
+  const double level = power_between(of_output, one, from, to) / (to - from);
+  floor.sensor = std::sqrt(std::max(0.0, level * nyquist));
+  auto incoherent = coherence(of_output);
+  for (double& value : incoherent) value = 1 - value;
+  floor.wander =
+      std::sqrt(std::max(0.0, power_between(of_output, incoherent, 0.0, kWanderBelow_Hz) - level * kWanderBelow_Hz));
+  floor.rmse = std::hypot(floor.sensor, floor.wander);
+  floor.how = "white level of the residual from " + std::to_string(static_cast<int>(from)) + " to " +
+              std::to_string(static_cast<int>(to)) + " Hz, and what is incoherent with the input below 0.5 Hz";
+  return floor;
+}
+
+SpectralLine find_line(std::span<const double> residual, std::span<const double> input, double sample_time_s) {
+  SpectralLine line;
+  WelchSettings settings;
+  settings.segment = std::min<std::size_t>(residual.size() / 4, static_cast<std::size_t>(4.096 / sample_time_s));
+  if (settings.segment < 64) return line;
+  settings.overlap = settings.segment / 2;
+  settings.window = Window::hann;
+  const auto spectra = welch(input, residual, sample_time_s, settings);
+  const auto coherent = coherence(spectra);
+  const auto& f = spectra.frequency_Hz;
+  const auto& power = spectra.output_power;
+  const double width = f.size() > 1 ? f[1] - f[0] : 1.0;
+  for (std::size_t i = 2; i + 2 < f.size(); ++i) {
+    if (f[i] < 3.0 || f[i] > 16.0) continue;
+    std::vector<double> around;
+    for (std::size_t j = 1; j < f.size(); ++j) {
+      const double away = std::abs(f[j] - f[i]);
+      if (away > 1.5 && away < 4.0 && f[j] > 1.5) around.push_back(power[j]);
+    }
+    if (around.size() < 5) continue;
+    std::nth_element(around.begin(), around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2), around.end());
+    const double surroundings = around[around.size() / 2];
+    const double peak = (power[i - 1] + power[i] + power[i + 1]) / 3;
+    if (surroundings > 0 && peak / surroundings > line.ratio) {
+      line.ratio = peak / surroundings;
+      line.frequency_Hz = f[i];
+      line.coherence = (coherent[i - 1] + coherent[i] + coherent[i + 1]) / 3;
+      double sum = 0;
+      std::size_t above = 0;
+      for (std::size_t j = 1; j < f.size(); ++j) {
+        if (std::abs(f[j] - f[i]) > 1.5) continue;
+        sum += std::max(0.0, power[j] - surroundings) * width;
+        above += power[j] > 0.5 * power[i] ? 1 : 0;
+      }
+      line.rms = std::sqrt(sum);
+      line.bandwidth_Hz = static_cast<double>(above) * width;
+    }
+  }
+  // the largest of some fifty bins of a spectrum averaged a dozen times stays below 3 by chance
+  line.significant = line.ratio > 6.0 && line.coherence < 0.4 && line.frequency_Hz > 3.6 && line.bandwidth_Hz < 2.0;
+  return line;
+}
+
+}  // namespace handloop::identify

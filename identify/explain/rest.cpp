@@ -1,0 +1,207 @@
+#include "identify/explain/rest.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "identify/explain/signals.h"
+#include "models/effects/tabulated.h"
+
+namespace handloop::identify {
+namespace {
+
+using Grid = models::TabulatedGrid;
+constexpr auto kKnots = static_cast<Eigen::Index>(Grid::kDisplacements * Grid::kVelocities);
+
+double range_about(const std::vector<double>& values, double centre) {
+  double range = 0;
+  for (const double value : values) range = std::max(range, std::abs(value - centre));
+  return std::max(range, 1e-9);
+}
+
+/// Second differences of the table along both its directions, each a row.
+Eigen::MatrixXd roughness() {
+  std::vector<Eigen::RowVectorXd> rows;
+  const auto at = [](std::size_t i, std::size_t j) { return static_cast<Eigen::Index>(i * Grid::kVelocities + j); };
+  const auto add = [&](Eigen::Index a, Eigen::Index b, Eigen::Index c) {
+    Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(kKnots);
+    row[a] = 1;
+    row[b] = -2;
+    row[c] = 1;
+    rows.push_back(row);
+  };
+  for (std::size_t i = 0; i < Grid::kDisplacements; ++i) {
+    for (std::size_t j = 0; j < Grid::kVelocities; ++j) {
+      if (i > 0 && i + 1 < Grid::kDisplacements) add(at(i - 1, j), at(i, j), at(i + 1, j));
+      if (j > 0 && j + 1 < Grid::kVelocities) add(at(i, j - 1), at(i, j), at(i, j + 1));
+    }
+  }
+  Eigen::MatrixXd matrix(rows.size(), kKnots);
+  for (std::size_t r = 0; r < rows.size(); ++r) matrix.row(static_cast<Eigen::Index>(r)) = rows[r];
+  return matrix;
+}
+
+/// Response of the filtered output to one newton at each knot, along a motion.
+Eigen::MatrixXd knot_responses(const Prediction& prediction, const models::AxisModel& model, const PlaceMotion& motion,
+                               const std::array<double, 3>& frame, Eigen::VectorXd& visits) {
+  const std::size_t samples = motion.x_m.size();
+  std::vector<std::array<Grid::Corner, 4>> corners(samples);
+  visits = Eigen::VectorXd::Zero(kKnots);
+  for (std::size_t n = 0; n < samples; ++n) {
+    corners[n] = Grid::corners((motion.x_m[n] - frame[0]) / frame[1], motion.v_m_per_s[n] / frame[2]);
+    for (const auto& corner : corners[n]) visits[static_cast<Eigen::Index>(corner.index)] += corner.weight;
+  }
+  Eigen::MatrixXd responses;
+  std::vector<double> force(samples);
+  for (Eigen::Index k = 0; k < kKnots; ++k) {
+    std::fill(force.begin(), force.end(), 0.0);
+    if (visits[k] > 0) {
+      for (std::size_t n = 0; n < samples; ++n) {
+        for (const auto& corner : corners[n]) {
+          if (static_cast<Eigen::Index>(corner.index) == k) force[n] += corner.weight;
+        }
+      }
+    }
+    const auto response =
+        response_to_force(model, models::Place::arm, force, prediction.driven_by(), prediction.options(false));
+    const auto filtered = prediction.filtered_train(response);
+    if (responses.size() == 0) responses.resize(static_cast<Eigen::Index>(filtered.size()), kKnots);
+    responses.col(k) = Eigen::Map<const Eigen::VectorXd>(filtered.data(), static_cast<Eigen::Index>(filtered.size()));
+  }
+  return responses;
+}
+
+/// Smoothing by five-fold cross-validation over contiguous blocks, from normal equations of each block.
+Eigen::VectorXd solve_smoothed(const Eigen::MatrixXd& columns, const Eigen::VectorXd& target, Eigen::Index own,
+                               const Eigen::VectorXd& knot_prior, const Eigen::MatrixXd& rough, double& smoothing) {
+  constexpr int kFolds = 5;
+  const Eigen::Index rows = columns.rows(), size = columns.cols(), fold = rows / kFolds;
+  std::array<Eigen::MatrixXd, kFolds> information;
+  std::array<Eigen::VectorXd, kFolds> right;
+  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(size, size);
+  Eigen::VectorXd all_right = Eigen::VectorXd::Zero(size);
+  for (int f = 0; f < kFolds; ++f) {
+    const auto part = columns.middleRows(f * fold, fold);
+    information[f] = part.transpose() * part;
+    right[f] = part.transpose() * target.segment(f * fold, fold);
+    all += information[f];
+    all_right += right[f];
+  }
+  Eigen::MatrixXd penalty = Eigen::MatrixXd::Zero(size, size);
+  penalty.bottomRightCorner(kKnots, kKnots) =
+      rough.transpose() * rough + 1e-3 * Eigen::MatrixXd::Identity(kKnots, kKnots);
+  // the penalty is on the whole table, not on its change
+  Eigen::VectorXd pull = Eigen::VectorXd::Zero(size);
+  pull.tail(kKnots) = -penalty.bottomRightCorner(kKnots, kKnots) * knot_prior;
+  const double unit = all.bottomRightCorner(kKnots, kKnots).trace() / static_cast<double>(kKnots);
+  const Eigen::VectorXd ridge = Eigen::VectorXd::Constant(size, 1e-12 * all.trace());
+  const auto solve = [&](const Eigen::MatrixXd& a, const Eigen::VectorXd& b, double level) -> Eigen::VectorXd {
+    Eigen::MatrixXd matrix = a + level * penalty;
+    matrix.diagonal() += 1e-9 * a.diagonal().head(size) + ridge * (own > 0 ? 1e-6 : 0.0);
+    return matrix.ldlt().solve(b + level * pull);
+  };
+  double best = std::numeric_limits<double>::infinity();
+  for (double level = 1e-4; level < 3e2; level *= 6) {
+    double error = 0;
+    for (int f = 0; f < kFolds; ++f) {
+      const auto solution = solve(all - information[f], all_right - right[f], level * unit);
+      error += (target.segment(f * fold, fold) - columns.middleRows(f * fold, fold) * solution).squaredNorm();
+    }
+    if (error < best) {
+      best = error;
+      smoothing = level;
+    }
+  }
+  return solve(all, all_right, smoothing * unit);
+}
+
+void describe(Rest& rest, const Eigen::VectorXd& forces, const Eigen::VectorXd& visits) {
+  constexpr auto kRows = static_cast<Eigen::Index>(Grid::kDisplacements),
+                 kColumns = static_cast<Eigen::Index>(Grid::kVelocities);
+  const double total = visits.sum();
+  const double mean = forces.dot(visits) / total;
+  Eigen::VectorXd row = Eigen::VectorXd::Zero(kRows), column = Eigen::VectorXd::Zero(kColumns), row_weight = row,
+                  column_weight = column;
+  for (Eigen::Index i = 0; i < kRows; ++i) {
+    for (Eigen::Index j = 0; j < kColumns; ++j) {
+      const double weight = visits[i * kColumns + j], force = forces[i * kColumns + j] - mean;
+      row[i] += weight * force;
+      row_weight[i] += weight;
+      column[j] += weight * force;
+      column_weight[j] += weight;
+    }
+  }
+  double power = 0, power_x = 0, power_v = 0;
+  for (Eigen::Index i = 0; i < kRows; ++i) power_x += row_weight[i] > 0 ? row[i] * row[i] / row_weight[i] : 0;
+  for (Eigen::Index j = 0; j < kColumns; ++j)
+    power_v += column_weight[j] > 0 ? column[j] * column[j] / column_weight[j] : 0;
+  for (Eigen::Index k = 0; k < kKnots; ++k) power += visits[k] * (forces[k] - mean) * (forces[k] - mean);
+  if (!(power > 0)) return;
+  rest.by_displacement = std::min(1.0, power_x / power);
+  rest.by_velocity = std::min(1.0, power_v / power);
+  rest.by_both = std::max(0.0, 1 - rest.by_displacement - rest.by_velocity);
+  const char* main = rest.by_displacement > 0.6 ? "mostly a function of displacement"
+                     : rest.by_velocity > 0.6   ? "mostly a function of velocity"
+                                                : "a function of displacement and velocity together";
+  char text[320];
+  std::snprintf(
+      text, sizeof text,
+      "a force at the arm, %s (%.0f %% by displacement alone, %.0f %% by velocity alone, %.0f %% needs both); %.3g rms",
+      main, 100 * rest.by_displacement, 100 * rest.by_velocity, 100 * rest.by_both, std::sqrt(power / total));
+  rest.description = text;
+}
+
+}  // namespace
+
+std::optional<Rest> fit_rest(const Prediction& given, const Hypothesis& from) {
+  const Prediction prediction = with_hold(given, from.hold);
+  const auto start = prediction.run(from.model, true);
+  if (!start.finite) return std::nullopt;
+  const double centre = 0.5 * (*std::max_element(start.arm.x_m.begin(), start.arm.x_m.end()) +
+                               *std::min_element(start.arm.x_m.begin(), start.arm.x_m.end()));
+  const std::array frame{centre, range_about(start.arm.x_m, centre), range_about(start.arm.v_m_per_s, 0.0)};
+  Rest rest{from, 0, 0, 0, ""};
+  const int number = static_cast<int>(from.model.effects.size());
+  std::vector<double> values(Grid::kParameters, 0.0);
+  std::copy(frame.begin(), frame.end(), values.begin());
+  rest.hypothesis.model.effects.push_back(models::make_effect("tabulated", models::Place::arm, values));
+  const auto rough = roughness();
+  double cost = from.train_cost, smoothing = 1.0;
+  Eigen::VectorXd visits, forces = Eigen::VectorXd::Zero(kKnots);
+  for (int pass = 0; pass < 4; ++pass) {
+    const auto motion = prediction.run(rest.hypothesis.model, true);
+    const auto residual = prediction.train_residual(rest.hypothesis.model);
+    const Eigen::MatrixXd own = sensitivity(prediction, rest.hypothesis.model, from.free);
+    Eigen::MatrixXd columns(own.rows(), own.cols() + kKnots);
+    columns << own, knot_responses(prediction, rest.hypothesis.model, motion.arm, frame, visits);
+    const Eigen::VectorXd target =
+        Eigen::Map<const Eigen::VectorXd>(residual.data(), static_cast<Eigen::Index>(residual.size()));
+    const Eigen::VectorXd change = solve_smoothed(columns, target, own.cols(), forces, rough, smoothing);
+    bool fell = false;
+    for (const double share : {1.0, 0.5, 0.2}) {
+      const Eigen::VectorXd next = forces + share * change.tail(kKnots);
+      std::copy(next.data(), next.data() + kKnots, values.begin() + static_cast<std::ptrdiff_t>(Grid::kFirstForce));
+      auto model = rest.hypothesis.model;
+      model.effects[number] = models::make_effect("tabulated", models::Place::arm, values);
+      // the table's share by regression, the model's own parameters by a short fit on top of it
+      const auto fitted = fit(prediction, model, from.free, {.most_iterations = 4, .tolerance = 1e-4});
+      if (fitted.ok && fitted.cost < 0.999 * cost) {
+        fell = fitted.cost < 0.97 * cost;
+        cost = fitted.cost;
+        rest.hypothesis.model = fitted.model;
+        forces = next;
+        break;
+      }
+    }
+    if (!fell) break;
+  }
+  if (!(cost < from.train_cost)) return std::nullopt;
+  rest.hypothesis.train_cost = cost;
+  rest.hypothesis.errors = prediction.errors(rest.hypothesis.model);
+  if (!rest.hypothesis.errors.finite) return std::nullopt;
+  describe(rest, forces, visits);
+  return rest;
+}
+
+}  // namespace handloop::identify

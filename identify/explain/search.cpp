@@ -1,0 +1,229 @@
+#include "identify/explain/search.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+#include <set>
+
+#include "identify/explain/signals.h"
+#include "models/errors.h"
+
+namespace handloop::identify {
+namespace {
+
+using models::AxisModel;
+using models::BaseModel;
+
+/// Starts of the five-parameter arm: Table II of Fu and Cavusoglu, and Diaz's arm of Table V for a stiff grasp.
+constexpr std::array<models::ArmParameters, 4> kArmStarts{{{0.2179, 379.5, 78.75, 1.839, 4.645},
+                                                           {0.2692, 552.4, 105.3, 3.609, 6.430},
+                                                           {0.2041, 769.9, 271.7, 0.7764, 18.06},
+                                                           {0.22, 3662, 98.6, 1.18, 6.88}}};
+
+/// Mass, damping and stiffness by regression of the force on the smoothed motion, constant term aside.
+models::MsdParameters regress_msd(const models::Recording& recording, double bandwidth_Hz) {
+  const double h = recording.sample_time_s;
+  const auto x = smoothed(recording.position_m, bandwidth_Hz, h);
+  const auto v = derivative(x, h), a = derivative(v, h);
+  const auto f = smoothed(recording.force_N, bandwidth_Hz, h);
+  Eigen::MatrixXd columns(x.size(), 4);
+  for (std::size_t i = 0; i < x.size(); ++i) columns.row(static_cast<Eigen::Index>(i)) << a[i], v[i], x[i], 1.0;
+  const Eigen::VectorXd solution = columns.colPivHouseholderQr().solve(
+      Eigen::Map<const Eigen::VectorXd>(f.data(), static_cast<Eigen::Index>(f.size())));
+  return {solution[0], solution[1], solution[2]};
+}
+
+void report(const SearchOptions& options, double share, const std::string& what) {
+  if (options.progress) options.progress(share, what);
+}
+
+/// Variants worth a refit: each effect at its best place and choice, by score. The least gain that would be accepted
+/// asks for twice its share of the error's power. A refit can find more than the first step promises, at the first
+/// depth above all, where the base model has bent itself towards the missing effect: there the best few are always
+/// tried.
+std::vector<ScanResult> shortlist(const std::vector<ScanResult>& ranked, const SearchOptions& options, int depth) {
+  const std::size_t count = depth == 1 ? options.refits_first : options.refits_next, always = depth == 1 ? 3 : 0;
+  std::vector<ScanResult> list;
+  std::set<std::string_view> names;
+  for (const auto& result : ranked) {
+    if (list.size() == count) break;
+    if (list.size() >= always && result.share < std::max(options.rule.gain, 0.15 * ranked.front().share)) break;
+    if (names.insert(result.variant.type->info.name).second) list.push_back(result);
+  }
+  return list;
+}
+
+/// A delay, time constant, frequency or mass that ends at the edge of its range is not that effect: it stands in for
+/// another.
+bool stands_in(const Hypothesis& hypothesis) {
+  const auto values = get_values(hypothesis.model, hypothesis.free);
+  for (std::size_t i = 0; i < hypothesis.free.size(); ++i) {
+    const auto& p = hypothesis.free[i];
+    if (p.effect < 0) continue;
+    const auto& search = hypothesis.model.effects[p.effect]->info().parameters[p.index].search;
+    const bool telling = search.role == models::Role::shape && search.scale == models::Scale::absolute &&
+                         p.name != "cutoff_Hz" && p.name != "damping_ratio";
+    const double value = values[static_cast<Eigen::Index>(i)];
+    if (telling && (value <= 1.01 * p.lower || value >= 0.99 * p.upper)) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+bool improves(const Errors& first, const Errors& second, const AcceptanceRule& rule, std::size_t tried) {
+  if (!(second.filtered_validation < (1 - rule.gain) * first.filtered_validation)) return false;
+  const auto blocks = std::min(first.blocks_validation.size(), second.blocks_validation.size());
+  if (blocks < 4) return false;
+  const boost::math::students_t distribution(static_cast<double>(blocks - 1));
+  const double critical = boost::math::quantile(
+      boost::math::complement(distribution, rule.significance / static_cast<double>(std::max<std::size_t>(1, tried))));
+  return diebold_mariano(first.blocks_validation, second.blocks_validation) > critical;
+}
+
+Hypothesis fit_base(Prediction& prediction, BaseModel base, models::Axis axis) {
+  std::vector<AxisModel> starts;
+  AxisModel model;
+  model.base = base;
+  model.axis = axis;
+  model.rotary = prediction.recording().rotary;
+  if (base == BaseModel::arm5) {
+    for (const auto& arm : kArmStarts) {
+      model.arm = arm;
+      starts.push_back(model);
+    }
+  } else {
+    for (const double bandwidth : {15.0, 40.0}) {
+      const auto raw = regress_msd(prediction.recording(), bandwidth);
+      model.msd = {std::max(raw.mass_kg, 1e-9), std::max(raw.b_Ns_per_m, 0.0), std::max(raw.k_N_per_m, 0.0)};
+      if (raw.mass_kg <= 0) model.msd.mass_kg = 1e-3 * (std::abs(raw.b_Ns_per_m) + std::abs(raw.k_N_per_m) + 1e-6);
+      starts.push_back(model);
+    }
+  }
+  std::optional<Fit> best;
+  const auto free = base_parameters(starts.front());
+  for (const auto& start : starts) {
+    auto tried = fit(prediction, start, base_parameters(start), {.most_iterations = 40});
+    if (tried.ok && (!best || tried.cost < best->cost)) best = std::move(tried);
+  }
+  if (!best)
+    throw InputError(prediction.recording().name + ": no " + (base == BaseModel::arm5 ? "arm5" : "msd") +
+                     " model follows this recording");
+  if (prediction.driven_by() == DrivenBy::force) {
+    // Does the record's force hold still between samples, or run on? The fitting part decides.
+    prediction.set_hold(Hold::zero_order);
+    const auto held = fit(prediction, best->model, best->free, {.most_iterations = 40});
+    if (held.ok && held.cost < best->cost)
+      best = held;
+    else
+      prediction.set_hold(Hold::first_order);
+  }
+  Hypothesis hypothesis{best->model, best->free, best->cost, prediction.hold(), prediction.errors(best->model)};
+  if (!hypothesis.errors.finite)
+    throw InputError(prediction.recording().name + ": the base model diverges on the held-out part");
+  return hypothesis;
+}
+
+SearchResult search_effects(const Prediction& prediction, const Hypothesis& base, const SearchOptions& options) {
+  SearchResult result{base, base, {}, 0, 0.0};
+  Hypothesis seed = base;
+  if (prediction.driven_by() == DrivenBy::position) {
+    // A force is read with a zero of its own. It goes along from the start, for other effects would bend themselves to
+    // stand in for it, and has to prove itself at the end.
+    const Variant offset{&models::find_effect_type("offset"), models::Place::actuator, {0.0, 0.0}};
+    if (auto with_offset = extend(prediction, base, offset)) seed = std::move(*with_offset);
+  }
+  result.best = seed;
+  std::vector<Hypothesis> beam{seed};
+  const std::size_t free_ride = seed.model.effects.size();
+  for (int depth = 1; depth <= options.max_effects; ++depth) {
+    std::vector<std::pair<Hypothesis, double>> extended;
+    std::set<std::string> seen;
+    double done = 0;
+    for (const auto& from : beam) {
+      const auto variants = search_variants(from.model, prediction.driven_by());
+      const auto ranked = scan(prediction, from, variants);
+      if (depth == 1) result.variants_scanned = variants.size();
+      const auto list = shortlist(ranked, options, depth);
+      for (const auto& candidate : list) {
+        report(options, (depth - 1 + done / static_cast<double>(beam.size() * list.size())) / options.max_effects,
+               from.effect_names() + (from.model.effects.empty() ? "" : " + ") +
+                   std::string(candidate.variant.type->info.name));
+        ++done;
+        auto fitted = extend(prediction, from, candidate.variant, {.most_iterations = 25, .tolerance = 1e-5});
+        if (!fitted) continue;
+        Tried tried{free_ride + static_cast<std::size_t>(depth), {}, candidate.share, *fitted};
+        for (const auto& effect : fitted->model.effects) tried.names.emplace_back(effect->info().name);
+        std::sort(tried.names.begin(), tried.names.end());
+        std::string key;
+        for (const auto& name : tried.names) key += name + " ";
+        result.tried.push_back(std::move(tried));
+        if (seen.insert(key).second) extended.emplace_back(std::move(*fitted), candidate.share);
+      }
+    }
+    std::sort(extended.begin(), extended.end(), [](const auto& a, const auto& b) {
+      return a.first.errors.filtered_validation < b.first.errors.filtered_validation;
+    });
+    if (extended.empty()) break;
+    const auto by_error = [](const auto& x, const auto& y) {
+      return x.first.errors.filtered_validation < y.first.errors.filtered_validation;
+    };
+    std::erase_if(extended, [](const auto& entry) { return stands_in(entry.first); });
+    if (extended.empty()) break;
+    std::sort(extended.begin(), extended.end(), by_error);
+    constexpr std::size_t kReconsidered = 6;
+    for (std::size_t i = 0; i < std::min(kReconsidered, extended.size()); ++i) {
+      const Hold before = extended[i].first.hold;
+      extended[i].first = reconsider_hold(prediction, std::move(extended[i].first));
+      if (extended[i].first.hold == before) continue;
+      for (auto& tried : result.tried) {
+        if (tried.hypothesis.effect_names() == extended[i].first.effect_names()) tried.hypothesis = extended[i].first;
+      }
+    }
+    std::sort(extended.begin(), extended.end(), by_error);
+    // of equals the simplest: within 3 % of the best, the one with fewest parameters goes first
+    const double equal = 1.03 * extended.front().first.errors.filtered_validation;
+    auto simplest = extended.begin();
+    for (auto at = extended.begin(); at != extended.end() && at->first.errors.filtered_validation < equal; ++at) {
+      if (at->first.free.size() < simplest->first.free.size()) simplest = at;
+    }
+    std::rotate(extended.begin(), simplest, simplest + 1);
+    // the few best to convergence: an unfinished fit leaves a rest that invites a false next effect
+    extended.resize(std::min(options.beam, extended.size()));
+    const FitOptions converge{.most_iterations = 40, .tolerance = 1e-7};
+    for (auto& [hypothesis, share] : extended) {
+      if (auto converged = refit(prediction, pruned(prediction, hypothesis), converge))
+        hypothesis = std::move(*converged);
+    }
+    for (std::size_t i = 1; i < extended.size(); ++i) {
+      const auto& first = extended.front().first;
+      if (extended[i].first.errors.filtered_validation < 0.97 * first.errors.filtered_validation)
+        std::swap(extended.front(), extended[i]);
+    }
+    const bool accepted =
+        improves(result.best.errors, extended.front().first.errors, options.rule, result.variants_scanned);
+    if (!accepted) break;
+    result.best = extended.front().first;
+    beam.clear();
+    for (const auto& [hypothesis, share] : extended) {
+      if (beam.size() < options.beam) beam.push_back(hypothesis);
+    }
+  }
+  // backward: an effect stays only while its absence would be noticed
+  for (std::size_t i = 0; i < result.best.model.effects.size();) {
+    auto reduced =
+        result.best.model.effects.size() == 1 ? std::optional(result.base) : without(prediction, result.best, i);
+    if (reduced && !improves(reduced->errors, result.best.errors, options.rule,
+                             result.best.model.effects.size() == 1 ? result.variants_scanned : 1)) {
+      result.best = std::move(*reduced);
+      i = 0;
+    } else {
+      ++i;
+    }
+  }
+  return result;
+}
+
+}  // namespace handloop::identify
