@@ -122,7 +122,9 @@ void CsvFile::read_header(std::string_view text) {
     text.remove_suffix(1);
   if (text.empty())
     throw InputError(name_ + ": is empty; expected a header line like time_s,force_N,position_m and rows");
-  if (text.substr(0, 4096).find('\0') != std::string_view::npos) {
+  const auto no_text = [](char c) { return (c >= 0 && c < '\t') || c == '\x7f'; };
+  if (std::any_of(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(text.size(), 4096)),
+                  no_text)) {
     throw InputError(name_ + ": is not text; expected comma-separated values (or a MATLAB file named *.mat)");
   }
   auto rest = text;
