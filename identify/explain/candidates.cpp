@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "identify/explain/signals.h"
@@ -315,21 +316,37 @@ std::optional<Hypothesis> extend(const Prediction& prediction, const Hypothesis&
   const auto& parameters = variant.type->info.parameters;
   const bool has_gain =
       std::any_of(parameters.begin(), parameters.end(), [](const auto& p) { return p.search.role == Role::gain; });
-  std::optional<Hypothesis> best;
-  // a whole first-order step may overshoot into divergence or into another valley: then from near nothing as well
-  for (const double share : {0.7, 0.1}) {
+  const int number = static_cast<int>(from.model.effects.size());
+  const auto with_gains = [&](const models::ArmParameters& arm, double share) {
     auto start = variant;
     for (std::size_t i = 0; i < parameters.size(); ++i) {
       if (parameters[i].search.role == Role::gain)
         start.values[i] = std::clamp(share * start.values[i], parameters[i].lower, parameters[i].upper);
     }
     Hypothesis extended = from;
-    extended.model = with_effect(from.model, start);
-    const int number = static_cast<int>(from.model.effects.size());
+    extended.model.arm = arm;
+    extended.model = with_effect(extended.model, start);
     for (const auto& p : effect_parameters(*extended.model.effects.back(), number, scale)) extended.free.push_back(p);
-    auto fitted = refit(prediction, extended, options);
+    return extended;
+  };
+  std::optional<Hypothesis> best;
+  const auto keep = [&](std::optional<Hypothesis> fitted) {
     if (fitted && (!best || fitted->train_cost < best->train_cost)) best = std::move(fitted);
+  };
+  // a whole first-order step may overshoot into divergence or into another valley: then from near nothing as well
+  for (const double share : {0.7, 0.1}) {
+    keep(refit(prediction, with_gains(from.model.arm, share), options));
     if (!has_gain || (best && best->train_cost < 1.0001 * from.train_cost)) break;
+  }
+  if (number == 0 && from.model.base == models::BaseModel::arm5) {
+    // Alone, the base model bends itself towards the missing effect, sometimes too far to find back: from a usual arm
+    // as well.
+    std::optional<Hypothesis> usual;
+    for (const auto& arm : kUsualArms) {
+      auto begun = refit(prediction, with_gains(arm, 0.7), {.most_iterations = 5, .tolerance = 1e-3});
+      if (begun && (!usual || begun->train_cost < usual->train_cost)) usual = std::move(begun);
+    }
+    if (usual) keep(refit(prediction, *usual, options));
   }
   return best;
 }

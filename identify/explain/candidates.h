@@ -1,10 +1,18 @@
 #pragma once
 
+#include <array>
+#include <optional>
 #include <vector>
 
 #include "identify/explain/fit.h"
 
 namespace handloop::identify {
+
+/// Starts of the five-parameter arm: Table II of Fu and Cavusoglu, and Diaz's arm of Table V for a stiff grasp.
+inline constexpr std::array<models::ArmParameters, 4> kUsualArms{{{0.2179, 379.5, 78.75, 1.839, 4.645},
+                                                                  {0.2692, 552.4, 105.3, 3.609, 6.430},
+                                                                  {0.2041, 769.9, 271.7, 0.7764, 18.06},
+                                                                  {0.22, 3662, 98.6, 1.18, 6.88}}};
 
 /// An effect of the catalogue at one place, with every choice made: what a search tries.
 struct Variant {

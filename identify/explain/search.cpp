@@ -16,12 +16,6 @@ namespace {
 using models::AxisModel;
 using models::BaseModel;
 
-/// Starts of the five-parameter arm: Table II of Fu and Cavusoglu, and Diaz's arm of Table V for a stiff grasp.
-constexpr std::array<models::ArmParameters, 4> kArmStarts{{{0.2179, 379.5, 78.75, 1.839, 4.645},
-                                                           {0.2692, 552.4, 105.3, 3.609, 6.430},
-                                                           {0.2041, 769.9, 271.7, 0.7764, 18.06},
-                                                           {0.22, 3662, 98.6, 1.18, 6.88}}};
-
 /// Mass, damping and stiffness by regression of the force on the smoothed motion, constant term aside.
 models::MsdParameters regress_msd(const models::Recording& recording, double bandwidth_Hz) {
   const double h = recording.sample_time_s;
@@ -90,7 +84,7 @@ Hypothesis fit_base(Prediction& prediction, BaseModel base, models::Axis axis) {
   model.axis = axis;
   model.rotary = prediction.recording().rotary;
   if (base == BaseModel::arm5) {
-    for (const auto& arm : kArmStarts) {
+    for (const auto& arm : kUsualArms) {
       model.arm = arm;
       starts.push_back(model);
     }

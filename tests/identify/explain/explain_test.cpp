@@ -54,7 +54,7 @@ TEST_P(SingleEffect, IsNamedAndPredictsAsWellAsTheTruth) {
   EXPECT_LT(exam.explanation.after.errors.rmse_validation, exam.explanation.base.errors.rmse_validation);
 }
 
-INSTANTIATE_TEST_SUITE_P(Planted, SingleEffect, testing::Values("coulomb_friction", "cubic_stiffness"),
+INSTANTIATE_TEST_SUITE_P(Planted, SingleEffect, testing::Values("coulomb_friction", "cubic_stiffness", "added_mass"),
                          [](const auto& tested) { return tested.param; });
 
 }  // namespace
