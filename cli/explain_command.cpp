@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -55,7 +56,8 @@ void run(const Options& given) {
       fmt::print("this recording cannot tell it from {}; {} would\n", rival.name, rival.separate_by);
   }
   if (e.rest) fmt::print("unexplained: {}\n", e.rest->description);
-  if (outcome.margins.before && outcome.margins.after && outcome.margins.critical_stiffness_before > 0) {
+  if (outcome.margins.before && outcome.margins.after && outcome.margins.critical_stiffness_before > 0 &&
+      std::isfinite(outcome.margins.critical_stiffness_before)) {
     fmt::print("stiffest stable wall: {:.4g} N/m before, {:.4g} N/m after\n", outcome.margins.critical_stiffness_before,
                outcome.margins.critical_stiffness_after);
   }

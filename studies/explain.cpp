@@ -1,6 +1,8 @@
 #include "studies/explain.h"
 
 #include <chrono>
+#include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "control/linear_plant.h"
@@ -28,10 +30,11 @@ control::Margins margins_of(const models::AxisModel& model, const models::AxisOp
       {.stiffness_N_per_m = stiffness, .damping_Ns_per_m = wall.damping_Ns_per_m});
 }
 
-/// Largest wall stiffness that is stable, by bisection between nothing and 100 kN/m.
+/// Largest wall stiffness that is stable, by bisection between nothing and 100 kN/m; infinity where even that is.
 double critical_stiffness(const models::AxisModel& model, const models::AxisOperatingPoint& point) {
   double low = 1.0, high = 1e5;
   if (!margins_of(model, point, low).stable) return 0.0;
+  if (margins_of(model, point, high).stable) return std::numeric_limits<double>::infinity();
   while (high / low > 1.0005) {
     const double middle = std::sqrt(low * high);
     (margins_of(model, point, middle).stable ? low : high) = middle;

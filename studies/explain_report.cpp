@@ -64,7 +64,8 @@ void margins_section(io::Report& report, const ExplainOutcome& outcome) {
         {"disk margin", number(*m.before, m.before->disk_alpha), number(*m.after, m.after->disk_alpha)},
         {"stiffest stable wall, N/m", pretty(m.critical_stiffness_before, 4), pretty(m.critical_stiffness_after, 4)}},
        "wall of 400 N/m and 1 Ns/m, 1 ms, one sample of delay, tip of 75 g and 0.05 Ns/m"});
-  if (m.critical_stiffness_before > 0) {
+  if (m.critical_stiffness_before > 0 && std::isfinite(m.critical_stiffness_before) &&
+      std::isfinite(m.critical_stiffness_after)) {
     const double change = 100 * (m.critical_stiffness_after / m.critical_stiffness_before - 1);
     report.callout(io::Report::Tone::note,
                    std::abs(change) < 0.5

@@ -189,6 +189,29 @@ void note_dry_friction(const Prediction& prediction, Explanation& result) {
   }
 }
 
+/// An effect none of whose gains the data tells from zero has not been found, however much its presence helped.
+void drop_undetermined(const Prediction& given, Hypothesis& hypothesis) {
+  for (std::size_t e = 0; e < hypothesis.model.effects.size();) {
+    const auto widths = half_widths95(with_hold(given, hypothesis.hold), hypothesis.model, hypothesis.free);
+    const auto values = get_values(hypothesis.model, hypothesis.free);
+    const auto& parameters = hypothesis.model.effects[e]->info().parameters;
+    bool has_gain = false, determined = false;
+    for (std::size_t i = 0; i < hypothesis.free.size(); ++i) {
+      const auto& p = hypothesis.free[i];
+      if (p.effect != static_cast<int>(e) || parameters[p.index].search.role != models::Role::gain) continue;
+      has_gain = true;
+      const auto at = static_cast<Eigen::Index>(i);
+      determined = determined || std::abs(values[at]) > widths[at];
+    }
+    auto reduced = has_gain && !determined ? without(given, hypothesis, e) : std::nullopt;
+    if (reduced) {
+      hypothesis = std::move(*reduced);
+    } else {
+      ++e;
+    }
+  }
+}
+
 FoundEffect found(const models::Effect& effect) {
   FoundEffect entry{std::string(effect.info().name), effect.place(), {}, {}, {}, 0.0};
   for (std::size_t i = 0; i < effect.parameters().size(); ++i) {
@@ -234,6 +257,7 @@ Explanation explain(const models::Recording& given, const std::optional<models::
   search_options.progress = [&](double share, const std::string& what) { progress(0.1 + 0.75 * share, what); };
   auto search = search_effects(prediction, base, search_options);
   choose_motion_bandwidth(prediction, search.best);
+  drop_undetermined(prediction, search.best);
   drop_idle_base(prediction, search.best);
   if (auto again = refit(prediction, search.base)) search.base = std::move(*again);
   result.base = search.base;
