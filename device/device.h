@@ -45,6 +45,10 @@ struct DeviceDescription {
   int adc_bits = 16;
   double adc_range_V = 10.0;
   std::array<double, kMaxAnalogInputs> analog_N_per_V{};
+  /// Strain gauges in the place of one channel an axis: force along x, y, z = rows of this matrix times the volts of
+  /// the first `gauge_count` inputs (a sensor maker's calibration). 0: inputs 0, 1, 2 are the axes themselves.
+  std::size_t gauge_count = 0;
+  std::array<std::array<double, kMaxAnalogInputs>, 3> gauge_N_per_V{};
   double sample_time_s = 0.001;
   bool ideal = false;  ///< noise-free: a constant sensor is then no sign of a dead one
 };

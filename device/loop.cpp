@@ -147,10 +147,8 @@ bool Loop::take_fresh(const Reading& reading, std::uint64_t samples) {
   input.time_s = static_cast<double>(reading.time_ns) * 1e-9;
   input.joint_rad = q;
   input.mechanism = mechanism_.at(q);
-  for (std::size_t i = 0; i < 3; ++i) {
-    input.sensed_force_N[static_cast<Eigen::Index>(i)] = analog_N(description_, i, reading.adc_codes[i]);
-  }
-  input.grip_force_N = analog_N(description_, 3, reading.adc_codes[3]);
+  input.sensed_force_N = sensed_force_N(description_, reading.adc_codes);
+  input.grip_force_N = grip_force_N(description_, reading.adc_codes);
 
   if (!q.allFinite() || !finite(input.mechanism) || !input.sensed_force_N.allFinite()) {
     latch({Fault::not_finite, steps_, reading.time_ns, 0.0, 0.0});

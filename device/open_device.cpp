@@ -3,6 +3,7 @@
 #include <array>
 #include <string_view>
 
+#include "device/comedi/comedi_device.h"
 #include "device/replay_device.h"
 #include "device/sim_device.h"
 #include "device/wire/wire_device.h"
@@ -35,6 +36,11 @@ std::unique_ptr<Device> open_device(const std::string& address, const OpenOption
   }
   if (text.starts_with("replay:")) {
     return std::make_unique<ReplayDevice>(simulated_description(options.scenario), options.scenario, after("replay:"));
+  }
+  if (text == "comedi" || text.starts_with("comedi:")) {
+    const auto config = text == "comedi" ? comedi::ComediConfig{} : comedi::read_comedi_config(after("comedi:"));
+    return std::make_unique<comedi::ComediDevice>(config, options.scenario.device.pose_rad,
+                                                  options.scenario.loop.sample_time_s);
   }
   constexpr std::array<std::string_view, 4> kKnown{"sim", "udp://HOST:PORT", "comedi", "replay:FILE"};
   throw InputError("--device '" + address + "' is not known" + suggestion(address, kKnown));

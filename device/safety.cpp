@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "device/scales.h"
+
 namespace handloop::device {
 namespace {
 
@@ -140,9 +142,9 @@ FaultEvent MotionMonitor::check_sensors(const Reading& reading, double tip_step_
     const std::uint32_t code = reading.adc_codes[i];
     channel.at_end = code == 0 || code >= top ? channel.at_end + 1 : 0;
     if (channel.at_end > kSaturatedSamples) return found(Fault::sensor_saturated, channel.at_end, kSaturatedSamples);
-    // Only the three force channels are fast enough to change with every sample; the grip channel is held between its
+    // Only the force channels are fast enough to change with every sample; the grip channel is held between its
     // own.
-    if (description_.ideal || i >= 3) continue;
+    if (description_.ideal || i >= force_inputs(description_)) continue;
     if (code != channel.code) {
       channel.code = code;
       channel.unchanged = 0;
@@ -158,9 +160,14 @@ FaultEvent MotionMonitor::check_sensors(const Reading& reading, double tip_step_
   return {};
 }
 
+bool MotionMonitor::any_force_input_at_end() const noexcept {
+  return std::any_of(channels_.begin(), channels_.begin() + static_cast<std::ptrdiff_t>(force_inputs(description_)),
+                     [](const Channel& channel) { return channel.at_end > 0; });
+}
+
 FaultEvent MotionMonitor::check_encoders(const Reading& reading, const control::MechanismState& state,
                                          const Eigen::Vector3d& sensed_N) noexcept {
-  const bool sensor_at_end = channels_[0].at_end + channels_[1].at_end + channels_[2].at_end > 0;
+  const bool sensor_at_end = any_force_input_at_end();
   for (std::size_t i = 0; i < description_.motor_count; ++i) {
     Encoder& encoder = encoders_[i];
     const auto column = state.jacobian.col(static_cast<Eigen::Index>(i));
@@ -184,7 +191,7 @@ FaultEvent MotionMonitor::check_encoders(const Reading& reading, const control::
 }
 
 FaultEvent MotionMonitor::check_forces(const Eigen::Vector3d& sensed_N, const Eigen::Vector3d& held_force_N) noexcept {
-  if (description_.analog_input_count < 3 || channels_[0].at_end + channels_[1].at_end + channels_[2].at_end > 0) {
+  if (description_.analog_input_count < 3 || any_force_input_at_end()) {
     return {};
   }
   mismatch_N_ = mismatch_pole_ * mismatch_N_ + (1.0 - mismatch_pole_) * (sensed_N - held_force_N);

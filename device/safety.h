@@ -79,6 +79,7 @@ class MotionMonitor {
   FaultEvent check_encoders(const Reading& reading, const control::MechanismState& state,
                             const Eigen::Vector3d& sensed_N) noexcept;
 
+  bool any_force_input_at_end() const noexcept;
   FaultEvent check_forces(const Eigen::Vector3d& sensed_N, const Eigen::Vector3d& held_force_N) noexcept;
 
   SafetyLimits limits_;

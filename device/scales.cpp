@@ -33,6 +33,28 @@ double analog_N(const DeviceDescription& d, std::size_t channel, std::uint32_t c
   return adc_volts(d, code) * d.analog_N_per_V[channel];
 }
 
+std::size_t force_inputs(const DeviceDescription& d) {
+  return d.gauge_count > 0 ? d.gauge_count : std::min<std::size_t>(3, d.analog_input_count);
+}
+
+Vector3 sensed_force_N(const DeviceDescription& d, const std::array<std::uint32_t, kMaxAnalogInputs>& codes) {
+  Vector3 force = Vector3::Zero();
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    auto& along = force[static_cast<Eigen::Index>(axis)];
+    if (d.gauge_count == 0) {
+      if (axis < d.analog_input_count) along = analog_N(d, axis, codes[axis]);
+      continue;
+    }
+    for (std::size_t i = 0; i < d.gauge_count; ++i) along += d.gauge_N_per_V[axis][i] * adc_volts(d, codes[i]);
+  }
+  return force;
+}
+
+double grip_force_N(const DeviceDescription& d, const std::array<std::uint32_t, kMaxAnalogInputs>& codes) {
+  const std::size_t input = force_inputs(d);
+  return input < d.analog_input_count ? analog_N(d, input, codes[input]) : 0.0;
+}
+
 double dac_volts(const DeviceDescription& d, std::uint32_t code) {
   return -d.dac_range_V + 2.0 * d.dac_range_V * static_cast<double>(code) / largest_code(d.dac_bits);
 }

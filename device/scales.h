@@ -20,6 +20,13 @@ double adc_volts(const DeviceDescription& description, std::uint32_t code);
 /// Force of analog input `channel` in N.
 double analog_N(const DeviceDescription& description, std::size_t channel, std::uint32_t code);
 
+/// Inputs that make up the force: 3, or the number of gauges; the grip force is the next one.
+std::size_t force_inputs(const DeviceDescription& description);
+/// Force of the device on the hand in N, device frame.
+Vector3 sensed_force_N(const DeviceDescription& description, const std::array<std::uint32_t, kMaxAnalogInputs>& codes);
+/// Grip force in N; 0 where it is not measured.
+double grip_force_N(const DeviceDescription& description, const std::array<std::uint32_t, kMaxAnalogInputs>& codes);
+
 /// Volts of a DAC code and the code nearest to a voltage, clamped to what the converter has.
 double dac_volts(const DeviceDescription& description, std::uint32_t code);
 std::uint32_t dac_code(const DeviceDescription& description, double volts);
