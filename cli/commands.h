@@ -15,6 +15,7 @@ void add_explain_command(CLI::App& program);
 void add_margins_command(CLI::App& program);
 void add_sweep_command(CLI::App& program);
 void add_uncertainty_command(CLI::App& program);
+void add_doctor_command(CLI::App& program);
 void add_plant_command(CLI::App& program);
 void add_run_command(CLI::App& program);
 

@@ -63,6 +63,7 @@ int main(int argc, char** argv) {
   handloop::cli::add_experiment_command(program);
   handloop::cli::add_explain_command(program);
   handloop::cli::add_margins_command(program);
+  handloop::cli::add_doctor_command(program);
   handloop::cli::add_plant_command(program);
   handloop::cli::add_run_command(program);
   handloop::cli::add_sweep_command(program);

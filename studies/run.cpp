@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <cerrno>
 #include <cmath>
+#include <csignal>
+#include <cstdlib>
 #include <memory>
 
 #include "control/controllers/phantom_mechanism.h"
@@ -66,6 +69,25 @@ void rescue_log(const fs::path& staged, const fs::path& out) {
   fs::rename(staged, out / "log.csv", error);
 }
 
+/// Logs of runs to the same place that were killed: they lie hidden beside it.
+std::vector<std::string> logs_of_killed_runs(const fs::path& out) {
+  std::vector<std::string> notes;
+  const fs::path target = fs::absolute(out).lexically_normal();
+  const std::string begin = "." + (target.has_filename() ? target : target.parent_path()).filename().string() + ".";
+  std::error_code ignored;
+  for (const auto& entry :
+       fs::directory_iterator((target.has_filename() ? target : target.parent_path()).parent_path(), ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(begin) || !name.ends_with(".part") || !fs::exists(entry.path() / "log.csv", ignored))
+      continue;
+    const int process = std::atoi(name.c_str() + begin.size());
+    if (process > 0 && ::kill(process, 0) != 0 && errno == ESRCH) {
+      notes.push_back("a run that was killed left its log in " + (entry.path() / "log.csv").string());
+    }
+  }
+  return notes;
+}
+
 std::vector<std::string> notes_about(const device::Device& device) {
   std::vector<std::string> notes;
   if (const auto* replay = dynamic_cast<const device::ReplayDevice*>(&device); replay && replay->has_commands()) {
@@ -124,6 +146,7 @@ RunOutcome run(const RunOptions& options) {
   session.paced = options.realtime;
   session.stop = options.stop;
 
+  auto leftovers = logs_of_killed_runs(options.out);
   io::OutputDirectory directory(options.out);
   const device::LogFormat format{scenario.wall.axis, home};
   const int row = models::device_row(scenario.wall.axis);
@@ -158,6 +181,7 @@ RunOutcome run(const RunOptions& options) {
   outcome.sim_steps_per_s = static_cast<double>(outcome.session.steps) / std::max(outcome.session.wall_time_s, 1e-9);
   outcome.real_time_factor = outcome.duration_s / std::max(outcome.session.wall_time_s, 1e-9);
   outcome.notes = notes_about(*bare);
+  outcome.notes.insert(outcome.notes.end(), leftovers.begin(), leftovers.end());
   if (faulty) outcome.notes.push_back("broken on purpose: " + options.inject);
   if (!outcome.log_error.empty()) {
     rescue_log(directory / "log.csv", directory.target());
