@@ -56,7 +56,8 @@ void Guardian::watch(int pipe, double watchdog_s, const std::function<bool()>& z
 
   using Clock = std::chrono::steady_clock;
   const int poll_ms = std::max(1, static_cast<int>(watchdog_s * 1e3 / 4));
-  std::uint64_t last = state_->beats.load(std::memory_order_relaxed);
+  // From nought, not from what it is by now: a controller may have begun, and stopped, before this process first ran.
+  std::uint64_t last = 0;
   bool begun = false, zeroed = false;
   auto heard = Clock::now();
   while (true) {
