@@ -6,14 +6,16 @@
 #include "cli/scenario_argument.h"
 #include "device/fault_injection.h"
 #include "device/stop_signals.h"
+#include "io/output.h"
 #include "models/errors.h"
 #include "studies/run.h"
+#include "studies/run_report.h"
 
 namespace handloop::cli {
 namespace {
 
 struct Options {
-  std::string scenario, device = "sim", out, key, inject;
+  std::string scenario, device = "sim", out, key, inject, json;
   bool realtime = false, list_faults = false;
   double duration_s = 0.0;
   std::optional<std::uint64_t> seed;
@@ -54,7 +56,8 @@ void run(const Options& given) {
   if (given.seed) options.scenario.run.seed = *given.seed;
   options.stop = &device::stop_on_signals();
   const auto outcome = studies::run(options);
-  print(options, outcome);
+  if (given.json != "-") print(options, outcome);
+  if (!given.json.empty()) io::write_file_atomically(given.json, studies::run_summary_json(options, outcome));
   if (!outcome.log_error.empty()) {
     throw RequirementError(
         fmt::format("{}/log.csv: the log ends where it could not be written: {}", given.out, outcome.log_error));
@@ -80,6 +83,7 @@ void add_run_command(CLI::App& program) {
   command->add_option("--seed", options->seed, "Of all noise (default: the scenario's)");
   command->add_option("--key", options->key, "File with the key that authenticates udp packets");
   command->add_option("--inject", options->inject, "Break the device on purpose: NAME or NAME@SAMPLE");
+  command->add_option("--json", options->json, "The summary into this file as well (-: standard output)");
   command->add_flag("--list-faults", options->list_faults, "Names for --inject, and nothing else");
   command->add_option("--out", options->out, "Directory for log.csv, summary.json, report.html");
   command->footer("Example: handloop run scenes/phantom_wall.toml --duration 5 --out out/run");

@@ -61,7 +61,10 @@ void LiveLoop::run() {
   // A panel shares the machine with its loop: locked memory and priority only where a real device waits.
   if (!device_->lock_step()) {
     const auto grant = request_realtime();
-    for (const auto& line : grant.refused) realtime_note_ += line + "\n";
+    if (!note_ready_.load(std::memory_order_relaxed)) {
+      for (const auto& line : grant.refused) realtime_note_ += line + "\n";
+      note_ready_.store(true, std::memory_order_release);
+    }
   }
   MonotonicClock clock;
   const auto period_ns = static_cast<double>(std::llround(device_->description().sample_time_s * 1e9));

@@ -70,7 +70,7 @@ class LiveLoop {
   /// Tip at the scenario's pose, device frame, m.
   const Eigen::Vector3d& home_tip_m() const { return home_tip_m_; }
   /// What could not be had of real time; empty where all was granted or start() was not yet called.
-  std::string realtime_note() const { return realtime_note_; }
+  std::string realtime_note() const { return note_ready_.load(std::memory_order_acquire) ? realtime_note_ : ""; }
 
  private:
   void run();
@@ -88,6 +88,7 @@ class LiveLoop {
   std::atomic<double> speed_{1.0};
   std::atomic<bool> stop_{false};
   std::string realtime_note_;
+  std::atomic<bool> note_ready_{false};
   std::thread thread_;
 };
 

@@ -27,9 +27,9 @@ namespace {
 namespace fs = std::filesystem;
 using device::Fault;
 constexpr double kEvidence_s = 2.0;
+constexpr std::uint64_t kLongestTrace = 1'000'000;
 
-/// Passes records on and keeps what judge and pictures need. Takes memory in the loop's thread, so in real time what it
-/// needs is reserved before.
+/// Passes records on and keeps what judge and pictures need; the memory for it is reserved before.
 class Observer final : public device::Recorder {
  public:
   Observer(device::Recorder& inner, StabilityJudge& judge, RunTrace& trace, int row, double home_m)
@@ -49,10 +49,11 @@ class Observer final : public device::Recorder {
   double home_m_;
 };
 
-void reserve(RunTrace& trace, std::size_t samples) {
+void reserve(RunTrace& trace, std::uint64_t samples) {
+  trace.every = samples / kLongestTrace + 1;
   for (auto* signal :
        {&trace.time_s, &trace.position_m, &trace.wanted_N, &trace.written_N, &trace.sensed_N, &trace.energy_J}) {
-    signal->reserve(samples);
+    signal->reserve(samples / trace.every + 1);
   }
 }
 
@@ -156,11 +157,11 @@ RunOutcome run(const RunOptions& options) {
   device::BlackBox black_box(kEvidence_s, device.description().sample_time_s);
   {
     device::LogFile log(directory / "log.csv", format);
+    reserve(trace, session.steps);
     std::unique_ptr<device::Recorder> writer;
     const bool paced = options.realtime || !device.lock_step();
     if (paced) {
       writer = std::make_unique<device::ThreadedRecorder>(log);
-      reserve(trace, session.steps);
       auto grant = device::request_realtime();
       outcome.realtime_refused = std::move(grant.refused);
     } else {
@@ -170,7 +171,9 @@ RunOutcome run(const RunOptions& options) {
     device::MonotonicClock clock;
     outcome.session = run_session(device, loop, observer, black_box, clock, session);
     if (paced) device::release_realtime();
-    writer->finish();
+    if (!writer->finish() && !log.failed()) {
+      outcome.notes.push_back("the disk was too slow: samples are missing in log.csv");
+    }
     if (log.failed()) outcome.log_error = log.error();
   }
 
@@ -180,7 +183,8 @@ RunOutcome run(const RunOptions& options) {
   outcome.duration_s = static_cast<double>(outcome.session.steps) * device.description().sample_time_s;
   outcome.sim_steps_per_s = static_cast<double>(outcome.session.steps) / std::max(outcome.session.wall_time_s, 1e-9);
   outcome.real_time_factor = outcome.duration_s / std::max(outcome.session.wall_time_s, 1e-9);
-  outcome.notes = notes_about(*bare);
+  const auto about = notes_about(*bare);
+  outcome.notes.insert(outcome.notes.begin(), about.begin(), about.end());
   outcome.notes.insert(outcome.notes.end(), leftovers.begin(), leftovers.end());
   if (faulty) outcome.notes.push_back("broken on purpose: " + options.inject);
   if (!outcome.log_error.empty()) {

@@ -50,6 +50,7 @@ io::Plot energy_plot(const RunOptions& options, const RunTrace& trace) {
 }  // namespace
 
 void RunTrace::add(const device::StepRecord& record, int row, double home_m) {
+  if (seen++ % every != 0) return;
   time_s.push_back(static_cast<double>(record.reading.time_ns) * 1e-9);
   position_m.push_back(record.tip_m[row] - home_m);
   wanted_N.push_back(record.wanted_force_N[row]);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <vector>
 
@@ -10,6 +11,8 @@ namespace handloop::studies {
 
 /// What the pictures of a run need: some signals of every sample.
 struct RunTrace {
+  std::uint64_t every = 1;  ///< keeps one sample in so many, so that long runs fit in memory
+  std::uint64_t seen = 0;
   std::vector<double> time_s, position_m, wanted_N, written_N, sensed_N, energy_J;
   void add(const device::StepRecord& record, int row, double home_m);
 };

@@ -31,7 +31,7 @@ namespace {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
-const std::string kScenario = HANDLOOP_SOURCE_DIR "/scenes/phantom_wall.toml";
+const std::string kScenario = std::string(HANDLOOP_SOURCE_DIR) + "/scenes/phantom_wall.toml";
 
 class Run : public testing::Test {
  protected:
