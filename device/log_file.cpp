@@ -18,6 +18,11 @@ constexpr std::string_view kHeader =
     "written_z_N,energy_J,contact,clipped,taken,fault,q1_rad,q2_rad,q3_rad,count_1,count_2,count_3,adc_1,adc_2,adc_3,"
     "adc_4,dac_1,dac_2,dac_3";
 
+// The kernel looks for fatal signals between two pages of one write.
+constexpr std::size_t kPageBytes = 4096;
+// No row is longer: 22 numbers of at most 24 characters, and 17 short ones.
+constexpr std::size_t kLongestRow = 640;
+
 class Row {
  public:
   explicit Row(char* text) : begin_(text), end_(text) {}
@@ -39,6 +44,10 @@ class Row {
   /// A vector of the device frame in the order of the hand's axes.
   void add_axes(const Eigen::Vector3d& v) {
     for (const auto axis : models::kAxes) add(v[models::device_row(axis)]);
+  }
+  void add_time(double seconds) {
+    separate();
+    end_ = std::to_chars(end_, begin_ + kMaxRow, seconds, std::chars_format::fixed).ptr;
   }
   std::size_t finish() {
     *end_++ = '\n';
@@ -63,7 +72,7 @@ std::size_t format_row(const StepRecord& r, const LogFormat& format, char* text)
   const Eigen::Vector3d away = r.tip_m - format.home_tip_m;
   const int lead = models::device_row(format.axis);
   Row row(text);
-  row.add(static_cast<double>(r.reading.time_ns) / 1e9);
+  row.add_time(static_cast<double>(r.reading.time_ns) / 1e9);
   row.add(r.sensed_force_N[lead]);
   row.add(away[lead]);
   row.add(r.reading.sample);
@@ -90,9 +99,10 @@ LogFile::LogFile(const std::filesystem::path& path, const LogFormat& format, int
     : format_(format), flush_rows_(flush_rows) {
   descriptor_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
   if (descriptor_ < 0) throw InputError(path.string() + ": cannot write the log: " + std::strerror(errno));
-  buffer_.reserve(static_cast<std::size_t>(flush_rows) * kMaxRow);
+  buffer_.reserve(static_cast<std::size_t>(flush_rows) * kMaxRow + 2 * kPageBytes);
   buffer_ = kHeader;
   buffer_ += '\n';
+  position_ = buffer_.size();
   write_out();
 }
 
@@ -103,9 +113,33 @@ LogFile::~LogFile() {
 bool LogFile::add(const StepRecord& record) {
   if (failed()) return false;
   char text[kMaxRow];
-  buffer_.append(text, format_row(record, format_, text));
+  append({text, format_row(record, format_, text)});
   ++rows_;
   return ++waiting_ < flush_rows_ || write_out();
+}
+
+void LogFile::append(std::string_view row) {
+  const std::size_t left = kPageBytes - (position_ + row.size()) % kPageBytes;
+  std::size_t padding = left < kLongestRow ? left : 0;
+  position_ += row.size() + padding;
+  if (padding == 0) {
+    buffer_ += row;
+    return;
+  }
+  const std::string_view time = row.substr(0, row.find(','));
+  const bool has_point = time.find('.') != std::string_view::npos;
+  // A whole number takes a point first; where there is room for one character only, a zero in front does no harm.
+  if (!has_point && padding == 1) {
+    buffer_ += '0';
+    padding = 0;
+  }
+  buffer_ += time;
+  if (!has_point && padding > 0) {
+    buffer_ += '.';
+    --padding;
+  }
+  buffer_.append(padding, '0');
+  buffer_ += row.substr(time.size());
 }
 
 bool LogFile::flush() {

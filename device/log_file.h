@@ -26,8 +26,9 @@ inline constexpr std::size_t kMaxRow = 1024;
 std::size_t format_row(const StepRecord& record, const LogFormat& format, char* text);
 
 /// A file that loses nothing: rows go to the kernel in whole lines every `flush_rows` rows, so a process that is killed
-/// leaves a file that ends with a complete row, up to the last flush. Errors are kept, not thrown: a run must be able
-/// to end safely first. Not real-time safe.
+/// leaves a file that ends with a complete row, up to the last flush. A kill in the middle of a write can only cut it
+/// between two pages of the file, so the last row of each page is made to end there: its time has more zeros. Errors
+/// are kept, not thrown: a run must be able to end safely first. Not real-time safe.
 class LogFile {
  public:
   /// Throws InputError where the file cannot be made.
@@ -47,6 +48,7 @@ class LogFile {
 
  private:
   bool write_out();
+  void append(std::string_view row);
 
   LogFormat format_;
   int flush_rows_;
@@ -54,6 +56,7 @@ class LogFile {
   int error_ = 0;
   int waiting_ = 0;
   std::uint64_t rows_ = 0;
+  std::uint64_t position_ = 0;  ///< bytes of the file so far, those in the buffer included
   std::string buffer_;
 };
 

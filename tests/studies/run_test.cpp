@@ -238,7 +238,6 @@ TEST_F(Run, KilledAtAnyMomentItLeavesAReadableLog) {
         EXPECT_EQ(left.back(), '\n');
         EXPECT_EQ(right.compare(0, left.size(), left), 0);
         const auto rows = std::count(left.begin(), left.end(), '\n') - 1;
-        EXPECT_EQ(rows % 100, 0);  // a flush every tenth of a second
         with_rows += rows > 0;
       }
       fs::remove_all(entry.path());
