@@ -121,4 +121,21 @@ Complex SampledArm::gradient(double w, std::array<Complex, 5>& derivative) const
   return grasp + rest;
 }
 
+std::vector<double> SampledArm::simulate(std::span<const double> force_N) const {
+  if (hold_ == Hold::continuous) return SampledArm(arm_, Hold::first_order, sample_time_s_).simulate(force_N);
+  std::vector<double> position(force_N.size());
+  double f1 = 0, f2 = 0, grasp = 0, arm1 = 0, arm2 = 0;
+  for (std::size_t n = 0; n < position.size(); ++n) {
+    const double f = force_N[n];
+    grasp = e_.value * grasp + g1_.value * f + g0_.value * f1;
+    const double arm = -a1_.value * arm1 - a2_.value * arm2 + n2_.value * f + n1_.value * f1 + n0_.value * f2;
+    position[n] = grasp + arm;
+    f2 = f1;
+    f1 = f;
+    arm2 = arm1;
+    arm1 = arm;
+  }
+  return position;
+}
+
 }  // namespace handloop::identify

@@ -4,6 +4,7 @@
 #include <complex>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "models/arm.h"
 
@@ -30,6 +31,10 @@ class SampledArm {
 
   /// The same, and its derivatives by mass, k1, k2, b1, b2 (the order of models::kArmParameterNames).
   std::complex<double> gradient(double frequency_rad_per_s, std::array<std::complex<double>, 5>& derivative) const;
+
+  /// Position at the samples for a force at the samples, from rest, in m. A continuous force is taken as straight
+  /// lines.
+  std::vector<double> simulate(std::span<const double> force_N) const;
 
  private:
   /// A coefficient with its derivatives by the five parameters.
