@@ -12,6 +12,7 @@ void add_demo_command(CLI::App& program);
 void add_effects_command(CLI::App& program);
 void add_experiment_command(CLI::App& program);
 void add_explain_command(CLI::App& program);
+void add_identify_command(CLI::App& program);
 void add_margins_command(CLI::App& program);
 void add_sweep_command(CLI::App& program);
 void add_uncertainty_command(CLI::App& program);

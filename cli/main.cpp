@@ -62,6 +62,7 @@ int main(int argc, char** argv) {
   handloop::cli::add_effects_command(program);
   handloop::cli::add_experiment_command(program);
   handloop::cli::add_explain_command(program);
+  handloop::cli::add_identify_command(program);
   handloop::cli::add_margins_command(program);
   handloop::cli::add_doctor_command(program);
   handloop::cli::add_plant_command(program);

@@ -16,7 +16,7 @@
 namespace handloop::identify {
 
 struct UnbiasedSettings {
-  double lowest_Hz = 0.5;
+  double lowest_Hz = 0.35;  ///< the lowest band's centre is 0.6 Hz
   double highest_Hz = 30.0;
   double band_Hz = 0.5;      ///< wider where a short record has fewer than twelve lines in it
   double taper = 0.1;        ///< share of the record under the cosine at each end

@@ -1,0 +1,118 @@
+#include "identify/recording_check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "models/errors.h"
+
+namespace handloop::identify {
+
+namespace {
+
+/// A hand that holds a stylus does not move by more than this (rms about the mean), nor is it pushed harder.
+constexpr double kLargestPosition_m = 0.3;
+constexpr double kLargestForce_N = 300.0;
+
+/// Share of samples at an extreme value above which a channel counts as limited, and time without any change above
+/// which it counts as stuck.
+constexpr double kLimitedShare = 0.002;
+constexpr double kStuck_s = 2.0;
+
+struct Channel {
+  double rms = 0, low = 0, high = 0;
+  std::size_t at_low = 0, at_high = 0;
+  std::size_t longest_run = 0, run_start = 0;
+};
+
+Channel examine(std::span<const double> signal, const std::string& name, const char* column) {
+  Channel c;
+  c.low = c.high = signal[0];
+  double mean = 0;
+  for (std::size_t n = 0; n < signal.size(); ++n) {
+    if (!std::isfinite(signal[n])) {
+      throw InputError(
+          fmt::format("{}: {} has no finite value at sample {}; leave out or repair the gap", name, column, n + 1));
+    }
+    c.low = std::min(c.low, signal[n]);
+    c.high = std::max(c.high, signal[n]);
+    mean += signal[n] / static_cast<double>(signal.size());
+  }
+  if (!(c.high > c.low)) {
+    throw InputError(
+        fmt::format("{}: {} is constant ({:.6g}); a dead channel or the wrong column, nothing can be identified", name,
+                    column, c.low));
+  }
+  const double width = 1e-9 * (c.high - c.low);
+  std::size_t run = 1;
+  for (std::size_t n = 0; n < signal.size(); ++n) {
+    c.rms += (signal[n] - mean) * (signal[n] - mean) / static_cast<double>(signal.size());
+    c.at_low += signal[n] <= c.low + width;
+    c.at_high += signal[n] >= c.high - width;
+    run = n > 0 && signal[n] == signal[n - 1] ? run + 1 : 1;
+    if (run > c.longest_run) {
+      c.longest_run = run;
+      c.run_start = n + 1 - run;
+    }
+  }
+  c.rms = std::sqrt(c.rms);
+  return c;
+}
+
+void doubt(const Channel& c, const char* column, const models::Recording& recording, std::vector<std::string>& doubts) {
+  const double count = static_cast<double>(recording.size());
+  for (const auto& [times, value] : {std::pair{c.at_low, c.low}, std::pair{c.at_high, c.high}}) {
+    const double share = static_cast<double>(times) / count;
+    // A quantised channel visits its extreme now and then; a limited one stays there.
+    if (times > 10 && share > kLimitedShare) {
+      doubts.push_back(
+          fmt::format("{} stands at its extreme {:.6g} in {:.2g} % of the samples: if the sensor was saturated "
+                      "there (and not the force itself limited), the fit is wrong",
+                      column, value, 100 * share));
+    }
+  }
+  const double stuck = static_cast<double>(c.longest_run) * recording.sample_time_s;
+  if (stuck > kStuck_s) {
+    doubts.push_back(fmt::format("{} does not change at all for {:.3g} s from t = {:.3f} s on", column, stuck,
+                                 recording.start_time_s + static_cast<double>(c.run_start) * recording.sample_time_s));
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> check_recording(const models::Recording& recording) {
+  const auto& name = recording.name;
+  if (recording.size() == 0 || recording.position_m.size() != recording.size()) {
+    throw InputError(fmt::format("{}: {} samples of force and {} of position; both need the same number", name,
+                                 recording.size(), recording.position_m.size()));
+  }
+  if (!(recording.sample_time_s > 0)) throw InputError(fmt::format("{}: no sampling rate; give it with --rate", name));
+  const Channel force = examine(recording.force_N, name, "the force");
+  const Channel position = examine(recording.position_m, name, "the position");
+  if (!recording.rotary && recording.position_unit == "m" && recording.force_unit == "N") {
+    if (position.rms > 100 * force.rms && position.rms > 0.01) {
+      throw InputError(
+          fmt::format("{}: the position moves by {:.3g} m under {:.3g} N (rms); are the columns exchanged? Name "
+                      "them with --force and --position",
+                      name, position.rms, force.rms));
+    }
+    if (position.rms > kLargestPosition_m) {
+      throw InputError(
+          fmt::format("{}: the position moves by {:.3g} m rms, more than an arm does; give it in metres (are these "
+                      "millimetres, or are force and position exchanged?)",
+                      name, position.rms));
+    }
+    if (force.rms > kLargestForce_N) {
+      throw InputError(
+          fmt::format("{}: the force is {:.3g} N rms, more than a hand holds; give it in newtons", name, force.rms));
+    }
+  }
+  std::vector<std::string> doubts;
+  doubt(force, "the force", recording, doubts);
+  doubt(position, "the position", recording, doubts);
+  return doubts;
+}
+
+}  // namespace handloop::identify
