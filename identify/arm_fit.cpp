@@ -330,30 +330,64 @@ double residual_scale(const FrequencyResponse& measured, const std::vector<doubl
 
 }  // namespace
 
-ArmFit fit_arm(const FrequencyResponse& measured, const ArmFitSettings& settings) {
-  const auto weight = frequency_weights(measured, settings.weight);
-  const auto usable = std::count_if(weight.begin(), weight.end(), [](double w) { return w > 0; });
+namespace {
+
+/// A few steps from each start, the two basins exchanged included; those that got furthest, best first, alike ones
+/// once.
+std::vector<Optimum> race(const FitProblem& problem, double scale) {
+  const auto usable = std::count_if(problem.weight.begin(), problem.weight.end(), [](double w) { return w > 0; });
   if (usable < 5) {
     throw InputError(
         fmt::format("only {} of {} frequencies carry a response; a fit of five parameters asks for five or more",
-                    usable, measured.size()));
+                    usable, problem.measured.size()));
   }
-  const auto starts = arm_starts(measured, weight, settings.bounds, kStarts);
+  const auto starts = arm_starts(problem.measured, problem.weight, problem.settings.bounds, kStarts);
   if (starts.empty()) throw InputError("the response is not that of an arm: no start could be found from it");
+  constexpr LeastSquaresSettings kFewSteps{7, 1e-4, 1e-6};
+  std::vector<Optimum> runners;
+  const auto better = [](const Optimum& a, const Optimum& b) { return a.cost < b.cost; };
+  for (const auto& start : starts) runners.push_back(optimise(problem, start, 0.0, scale, kFewSteps));
+  // With little mass grasp and arm are two dampers with springs, and may have found each other's place.
+  const ArmParameters leader = std::min_element(runners.begin(), runners.end(), better)->arm;
+  const ArmParameters exchanged{leader.mass_kg, leader.k2_N_per_m, leader.k1_N_per_m, leader.b2_Ns_per_m,
+                                leader.b1_Ns_per_m};
+  runners.push_back(optimise(problem, exchanged, 0.0, scale, kFewSteps));
+  std::sort(runners.begin(), runners.end(), better);
+  std::vector<Optimum> out;
+  for (const auto& r : runners) {
+    const bool known = std::any_of(out.begin(), out.end(), [&](const Optimum& o) {
+      return std::abs(o.arm.k1_N_per_m / r.arm.k1_N_per_m - 1) < 0.02 &&
+             std::abs(o.arm.b2_Ns_per_m / r.arm.b2_Ns_per_m - 1) < 0.02;
+    });
+    if (!known) out.push_back(r);
+  }
+  return out;
+}
+
+}  // namespace
+
+ArmFit fit_arm(const FrequencyResponse& measured, const ArmFitSettings& settings) {
+  const auto weight = frequency_weights(measured, settings.weight);
   const FitProblem problem{measured, weight, settings};
   const double scale = residual_scale(measured, weight);
-  // A few steps from each start; the two that got furthest go on to the end.
-  constexpr LeastSquaresSettings kFewSteps{7, 1e-4, 1e-6};
   constexpr std::size_t kFinalists = 2;
-  std::vector<Optimum> race;
-  for (const auto& start : starts) race.push_back(optimise(problem, start, 0.0, scale, kFewSteps));
-  std::sort(race.begin(), race.end(), [](const Optimum& a, const Optimum& b) { return a.cost < b.cost; });
+  const auto leaders = race(problem, scale);
   Optimum best;
-  for (std::size_t i = 0; i < std::min(kFinalists, race.size()); ++i) {
-    const auto optimum = optimise(problem, race[i].arm, race[i].delay_samples, scale);
+  for (std::size_t i = 0; i < std::min(kFinalists, leaders.size()); ++i) {
+    const auto optimum = optimise(problem, leaders[i].arm, leaders[i].delay_samples, scale);
     if (optimum.cost < best.cost) best = optimum;
   }
   return finish(problem, best);
+}
+
+std::vector<ArmParameters> arm_candidates(const FrequencyResponse& measured, const ArmFitSettings& settings,
+                                          std::size_t count) {
+  const auto weight = frequency_weights(measured, settings.weight);
+  std::vector<ArmParameters> out;
+  for (const auto& leader : race(FitProblem{measured, weight, settings}, residual_scale(measured, weight))) {
+    if (out.size() < count) out.push_back(leader.arm);
+  }
+  return out;
 }
 
 ArmFit refit_arm(const FrequencyResponse& measured, const ArmFitSettings& settings, const ArmParameters& start,

@@ -59,6 +59,10 @@ ArmFit fit_arm(const FrequencyResponse& measured, const ArmFitSettings& settings
 ArmFit refit_arm(const FrequencyResponse& measured, const ArmFitSettings& settings, const models::ArmParameters& start,
                  double start_delay_s = 0.0);
 
+/// The fits that fit_arm() would choose its answer from, unfinished and best first: for another cost to choose among.
+std::vector<models::ArmParameters> arm_candidates(const FrequencyResponse& measured, const ArmFitSettings& settings,
+                                                  std::size_t count);
+
 /// Starting values from a response: for a grid of grasps (k1, b1) what is left of the response is an arm, whose inverse
 /// is linear in M, b2, k2; the best `count` of them, best first.
 std::vector<models::ArmParameters> arm_starts(const FrequencyResponse& measured, const std::vector<double>& weight,

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "identify/band_response.h"
@@ -22,6 +23,7 @@ constexpr std::array<Hold, 3> kHolds{Hold::continuous, Hold::zero_order, Hold::f
 constexpr double kDelaySignificance = 25.0;
 constexpr double kDelayShare = 0.1;
 constexpr double kHoldSignificance = 9.0;
+constexpr std::size_t kCandidates = 3;
 constexpr double kNormal95 = 1.959963984540054;
 
 double freedom(const FrequencyResponse& response) {
@@ -60,13 +62,20 @@ UnbiasedFit fit_arm_unbiased(std::span<const double> force_N, std::span<const do
   fit_settings.error_correlation = {1, 0, 0};
 
   // First fit: eq. (1) with a free delay stands near every hold; it only has to flatten the response.
-  // The weights of the variance differ by orders of magnitude and make valleys; coherence leads to the right one.
+  // The weights of the variance differ by orders of magnitude and make narrow valleys; coherence leads into the right
+  // one, or to a few to choose among.
   const FrequencyResponse bands = record.quadratic();
   ArmFitSettings first_settings = fit_settings;
   first_settings.weight = FitWeight::coherence;
-  const ArmFit first = fit_arm(bands, first_settings);
   fit_settings.fit_delay = true;
-  const ArmFit rough = refit_arm(bands, fit_settings, first.arm);
+  ArmFit rough;
+  rough.cost = std::numeric_limits<double>::infinity();
+  std::vector<models::ArmParameters> starts;
+  for (const auto& start : arm_candidates(bands, first_settings, kCandidates)) {
+    const ArmFit candidate = refit_arm(bands, fit_settings, start);
+    starts.push_back(start);
+    if (candidate.cost < rough.cost) rough = candidate;
+  }
   UnbiasedFit out;
   out.response = record.flattened(
       [&](double w) { return std::polar(1.0, -w * rough.delay_s) * models::compliance(rough.arm, Complex(0, w)); });
@@ -80,9 +89,22 @@ UnbiasedFit fit_arm_unbiased(std::span<const double> force_N, std::span<const do
       continue;
     }
     fit_settings.hold = kHolds[h];
-    fits[h] = refit_arm(out.response, fit_settings, rough.arm);
+    // With a free delay grasp and arm can change places unnoticed; without one they cannot. So every candidate starts
+    // here.
+    fits[h].cost = std::numeric_limits<double>::infinity();
+    for (const auto& start : starts) {
+      const ArmFit candidate = refit_arm(out.response, fit_settings, start);
+      if (candidate.cost < fits[h].cost) fits[h] = candidate;
+    }
     out.hold_misfit[h] = chi_squared(fits[h]);
     if (out.hold_misfit[h] < out.hold_misfit[best] || settings.hold) best = h;
+  }
+  // Where hardly any mass tells grasp from arm, two holds can explain the data alike with the two exchanged. The grasp
+  // of a stylus is the stiffer in every arm of Tables I to III: that settles a tie, and nothing but a tie.
+  const auto grasp_is_stiffer = [&](std::size_t h) { return fits[h].arm.k1_N_per_m > fits[h].arm.k2_N_per_m; };
+  for (std::size_t h = 0; h < kHolds.size() && !grasp_is_stiffer(best); ++h) {
+    const double unit = std::max(1.0, out.hold_misfit[best] / freedom(out.response));
+    if (grasp_is_stiffer(h) && out.hold_misfit[h] - out.hold_misfit[best] < kHoldSignificance * unit) best = h;
   }
   out.fit = fits[best];
   out.hold_is_clear = true;
@@ -94,27 +116,32 @@ UnbiasedFit fit_arm_unbiased(std::span<const double> force_N, std::span<const do
     admit_hold_uncertainty(out.fit, fits[static_cast<std::size_t>(Hold::continuous)].arm,
                            fits[static_cast<std::size_t>(Hold::first_order)].arm, settings.bounds);
   }
-  // The first fit's delay is that of a hold, or another: only then is it worth a closer look.
-  const double lag = rough.delay_s / sample_time_s;
-  const bool explained = std::min(std::abs(lag), std::abs(lag - 0.5)) < 0.5 * kDelayShare;
-  if (settings.allow_delay && !explained) {
+  const bool leaves_noise = chi_squared(out.fit) < freedom(out.response) + 3 * std::sqrt(2 * freedom(out.response));
+  if (settings.allow_delay && !leaves_noise) {
     // A hold is half a sample late itself, so a true delay may make the wrong hold look best: each is tried with one.
     fit_settings.fit_delay = true;
-    ArmFit delayed;
-    delayed.cost = std::numeric_limits<double>::infinity();
+    std::vector<ArmFit> delayed;
     for (const Hold hold : kHolds) {
       if (settings.hold && *settings.hold != hold) continue;
       fit_settings.hold = hold;
-      const ArmFit candidate = refit_arm(out.response, fit_settings, rough.arm, rough.delay_s);
-      if (candidate.cost < delayed.cost) delayed = candidate;
+      delayed.push_back(refit_arm(out.response, fit_settings, out.fit.arm));
+      delayed.push_back(refit_arm(out.response, fit_settings, rough.arm, rough.delay_s));
     }
-    const double unit = std::max(1.0, chi_squared(delayed) / freedom(out.response));
-    if (chi_squared(out.fit) - chi_squared(delayed) > kDelaySignificance * unit &&
-        std::abs(delayed.delay_s) > kDelayShare * sample_time_s) {
-      out.fit = delayed;
+    double least = std::numeric_limits<double>::infinity();
+    for (const auto& candidate : delayed) least = std::min(least, chi_squared(candidate));
+    const double unit = std::max(1.0, least / freedom(out.response));
+    // Of those that explain the data alike, the one with the least delay.
+    const ArmFit* chosen = nullptr;
+    for (const auto& candidate : delayed) {
+      if (chi_squared(candidate) > least + kHoldSignificance * unit) continue;
+      if (chosen == nullptr || std::abs(candidate.delay_s) < std::abs(chosen->delay_s)) chosen = &candidate;
+    }
+    if (chi_squared(out.fit) - chi_squared(*chosen) > kDelaySignificance * unit &&
+        std::abs(chosen->delay_s) > kDelayShare * sample_time_s) {
+      out.fit = *chosen;
       out.fit.warnings.push_back(
           fmt::format("the position lags the force by {:.3g} ms (+- {:.2g}), which was fitted along",
-                      1e3 * delayed.delay_s, 1e3 * kNormal95 * delayed.delay_error_s));
+                      1e3 * chosen->delay_s, 1e3 * kNormal95 * chosen->delay_error_s));
     }
   }
   out.misfit = chi_squared(out.fit) / freedom(out.response);
