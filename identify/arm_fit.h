@@ -50,7 +50,8 @@ struct ArmFitSettings {
 };
 
 /// Minimises sum over n of W(n) |H_measured(n) - H_arm(n)|^2 within bounds, from several starts that are found from the
-/// response itself; the best local optimum is returned. Intervals follow from the variance of the response where it is
+/// response itself; the best local optimum is returned (a tie goes to
+/// the stiffer grasp). Intervals follow from the variance of the response where it is
 /// given (correlation of neighbouring half-overlapped bins counted), widened where the misfit is larger than that
 /// variance explains; else from the misfit alone. Throws InputError where fewer than five usable frequencies are given.
 ArmFit fit_arm(const FrequencyResponse& measured, const ArmFitSettings& settings = {});
