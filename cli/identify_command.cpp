@@ -106,6 +106,7 @@ void add_identify_command(CLI::App& program) {
   command->add_flag("--skip-bad", options->skip_bad, "go on without recordings that cannot be used, and name them");
   command->add_option("--jobs", options->jobs, "threads (default: all cores)");
   command->add_option("--out", options->out, "directory for fits.csv, statistics.json and report.html");
+  command->footer("Example: handloop identify --index out/experiment/index.csv --out out/identify");
   command->callback([options] { run(*options); });
 }
 
