@@ -76,7 +76,7 @@ void LiveLoop::run() {
   std::int64_t last_status_ns = 0, window_ns = clock.now_ns();
   std::uint64_t window_steps = 0;
   std::uint64_t missed_before = 0;
-  control::WallGains gains;
+  control::VirtualWallGains gains;
   while (!stop_.load(std::memory_order_relaxed)) {
     const double wanted = device_->lock_step() ? speed_.load(std::memory_order_relaxed) : 1.0;
     if (!(wanted > 0.0)) {

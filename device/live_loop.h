@@ -26,7 +26,7 @@ struct LiveStatus {
   FaultEvent fault;
   std::uint64_t missed_deadlines = 0;
   double p50_us = 0.0, p99_us = 0.0, p99_9_us = 0.0, max_us = 0.0;  ///< of one pass of the loop
-  control::WallGains gains;                                         ///< in force now
+  control::VirtualWallGains gains;                                         ///< in force now
 };
 
 /// A haptic loop in a thread of its own, for a panel: gains go in through a lock-free mailbox, samples come out through
@@ -54,7 +54,7 @@ class LiveLoop {
   void stop();
 
   /// Taken at the next sample. Gains that are not possible are ignored there.
-  void set_gains(const control::WallGains& gains) { gains_.post(gains); }
+  void set_gains(const control::VirtualWallGains& gains) { gains_.post(gains); }
   /// Speed of lock-step devices against real time: 1, or less for slow motion. 0 holds still.
   void set_speed(double speed) { speed_.store(speed, std::memory_order_relaxed); }
   /// Latches a fault: the force ramps to zero.
@@ -82,7 +82,7 @@ class LiveLoop {
   control::VirtualWall wall_;
   std::unique_ptr<Loop> loop_;
   RingBuffer<StepRecord, 8192> ring_;
-  Mailbox<control::WallGains> gains_;
+  Mailbox<control::VirtualWallGains> gains_;
   Mailbox<LiveStatus> statuses_;
   LiveStatus status_;
   std::atomic<double> speed_{1.0};

@@ -9,7 +9,7 @@
 namespace handloop::control {
 namespace {
 
-bool possible(const WallGains& gains) {
+bool possible(const VirtualWallGains& gains) {
   return std::isfinite(gains.stiffness_N_per_m) && gains.stiffness_N_per_m >= 0.0 &&
          std::isfinite(gains.damping_Ns_per_m) && gains.damping_Ns_per_m >= 0.0 && std::isfinite(gains.cutoff_Hz) &&
          gains.cutoff_Hz > 0.0;
@@ -40,7 +40,7 @@ void VirtualWall::reset() noexcept {
   velocity_m_per_s_ = 0.0;
 }
 
-bool VirtualWall::set_gains(const WallGains& gains) noexcept {
+bool VirtualWall::set_gains(const VirtualWallGains& gains) noexcept {
   if (!possible(gains)) return false;
   settings_.gains = gains;
   pole_ = filter_pole(settings_);

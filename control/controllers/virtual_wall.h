@@ -6,7 +6,7 @@
 namespace handloop::control {
 
 /// What may be turned while the loop runs.
-struct WallGains {
+struct VirtualWallGains {
   double stiffness_N_per_m = 400.0;
   double damping_Ns_per_m = 1.0;
   double cutoff_Hz = 100.0;
@@ -25,7 +25,7 @@ class VirtualWall final : public Controller {
     bool bilateral = false;
     bool gravity_compensation = true;
     double sample_time_s = 0.001;
-    WallGains gains;
+    VirtualWallGains gains;
   };
 
   /// Throws InputError where a setting is not possible (not finite, negative, cut-off or sample time not positive).
@@ -36,8 +36,8 @@ class VirtualWall final : public Controller {
 
   /// Takes effect at the next sample; real-time safe. The filter's state is a position, so new gains make no velocity
   /// step. Gains that are not finite or are negative are ignored and false returned.
-  bool set_gains(const WallGains& gains) noexcept;
-  const WallGains& gains() const noexcept { return settings_.gains; }
+  bool set_gains(const VirtualWallGains& gains) noexcept;
+  const VirtualWallGains& gains() const noexcept { return settings_.gains; }
 
  private:
   Settings settings_;

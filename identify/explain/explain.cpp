@@ -340,7 +340,6 @@ Explanation explain(const models::Recording& given, const std::optional<models::
   result.verdict = result.rest              ? Verdict::unexplained_residual
                    : result.effects.empty() ? Verdict::no_effect
                                             : Verdict::effect_added;
-  result.critical_statistic = search.critical_statistic;
   progress(1.0, "done");
   return result;
 }

@@ -58,7 +58,6 @@ struct Explanation {
   std::optional<Rest> rest;        ///< only where it is believed
   double share_of_residual = 0.0;  ///< power of the error that the rest took away
   SpectralLine line;
-  double critical_statistic = 0.0;
   std::size_t variants_tried = 0;
   models::AxisOperatingPoint point;                     ///< how far things moved in this recording
   std::vector<double> residual_before, residual_after;  ///< over the whole fitting record, output's unit

@@ -121,7 +121,7 @@ Hypothesis fit_base(Prediction& prediction, BaseModel base, models::Axis axis) {
 }
 
 SearchResult search_effects(const Prediction& prediction, const Hypothesis& base, const SearchOptions& options) {
-  SearchResult result{base, base, {}, 0, 0.0};
+  SearchResult result{base, base, {}, 0};
   Hypothesis seed = base;
   if (prediction.driven_by() == DrivenBy::position) {
     // A force is read with a zero of its own. It goes along from the start, for other effects would bend themselves to

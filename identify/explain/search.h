@@ -37,7 +37,6 @@ struct SearchResult {
   Hypothesis best;
   std::vector<Tried> tried;
   std::size_t variants_scanned = 0;
-  double critical_statistic = 0.0;  ///< Diebold and Mariano's statistic that was asked for
 };
 
 /// Best base model of the kind: several starts, hold of the input chosen by the fitting part (force-driven).

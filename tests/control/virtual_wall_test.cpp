@@ -83,8 +83,8 @@ TEST(VirtualWall, NewGainsActAtTheNextSample) {
 TEST(VirtualWall, ImpossibleGainsAreIgnored) {
   VirtualWall wall(settings(true));
   const double nan = std::nan("");
-  for (const WallGains& bad : {WallGains{nan, 1, 100}, WallGains{-1, 1, 100}, WallGains{1, -1, 100}, WallGains{1, 1, 0},
-                               WallGains{std::numeric_limits<double>::infinity(), 1, 100}}) {
+  for (const VirtualWallGains& bad : {VirtualWallGains{nan, 1, 100}, VirtualWallGains{-1, 1, 100}, VirtualWallGains{1, -1, 100}, VirtualWallGains{1, 1, 0},
+                               VirtualWallGains{std::numeric_limits<double>::infinity(), 1, 100}}) {
     EXPECT_FALSE(wall.set_gains(bad));
   }
   EXPECT_EQ(wall.gains().stiffness_N_per_m, 700.0);
