@@ -14,6 +14,7 @@ void add_experiment_command(CLI::App& program);
 void add_explain_command(CLI::App& program);
 void add_identify_command(CLI::App& program);
 void add_margins_command(CLI::App& program);
+void add_panel_command(CLI::App& program);
 void add_sweep_command(CLI::App& program);
 void add_uncertainty_command(CLI::App& program);
 void add_doctor_command(CLI::App& program);

@@ -65,6 +65,7 @@ int main(int argc, char** argv) {
   handloop::cli::add_identify_command(program);
   handloop::cli::add_margins_command(program);
   handloop::cli::add_doctor_command(program);
+  handloop::cli::add_panel_command(program);
   handloop::cli::add_plant_command(program);
   handloop::cli::add_run_command(program);
   handloop::cli::add_sweep_command(program);

@@ -79,8 +79,10 @@ void LiveLoop::run() {
   control::VirtualWallGains gains;
   while (!stop_.load(std::memory_order_relaxed)) {
     const double wanted = device_->lock_step() ? speed_.load(std::memory_order_relaxed) : 1.0;
+    bool due = true;
     if (!(wanted > 0.0)) {
-      clock.sleep_until(clock.now_ns() + kStill_ns);
+      due = single_steps_.exchange(0, std::memory_order_relaxed) > 0;
+      if (!due) clock.sleep_until(clock.now_ns() + kStill_ns);
       speed = 0.0;
     } else {
       if (wanted != speed) {
@@ -89,6 +91,9 @@ void LiveLoop::run() {
         schedule = begin_schedule(clock.now_ns(), static_cast<std::int64_t>(period_ns / speed));
       }
       wait_for_next_cycle(schedule, clock);
+      single_steps_.store(0, std::memory_order_relaxed);
+    }
+    if (due) {
       if (gains_.take(gains)) wall_.set_gains(gains);
       const StepRecord& record = loop_->step(*device_);
       compute.add(record.compute_ns);

@@ -26,7 +26,7 @@ struct LiveStatus {
   FaultEvent fault;
   std::uint64_t missed_deadlines = 0;
   double p50_us = 0.0, p99_us = 0.0, p99_9_us = 0.0, max_us = 0.0;  ///< of one pass of the loop
-  control::VirtualWallGains gains;                                         ///< in force now
+  control::VirtualWallGains gains;                                  ///< in force now
 };
 
 /// A haptic loop in a thread of its own, for a panel: gains go in through a lock-free mailbox, samples come out through
@@ -57,6 +57,8 @@ class LiveLoop {
   void set_gains(const control::VirtualWallGains& gains) { gains_.post(gains); }
   /// Speed of lock-step devices against real time: 1, or less for slow motion. 0 holds still.
   void set_speed(double speed) { speed_.store(speed, std::memory_order_relaxed); }
+  /// One sample while the loop holds still; nothing where it runs.
+  void single_step() { single_steps_.store(1, std::memory_order_relaxed); }
   /// Latches a fault: the force ramps to zero.
   void trip() { loop_->trip(Fault::external); }
 
@@ -86,6 +88,7 @@ class LiveLoop {
   Mailbox<LiveStatus> statuses_;
   LiveStatus status_;
   std::atomic<double> speed_{1.0};
+  std::atomic<int> single_steps_{0};
   std::atomic<bool> stop_{false};
   std::string realtime_note_;
   std::atomic<bool> note_ready_{false};

@@ -62,6 +62,7 @@ bool SimDevice::write(const Command& command) {
   sim::PlantCommand to_plant;
   to_plant.dac_codes = command.dac_codes;
   if (stopped_) to_plant.dac_codes.fill(zero_code(description_));
+  if (sim::Pull pull; pulls_.take(pull)) plant_.set_pull(pull);
   plant_.advance(to_plant);
   return true;
 }

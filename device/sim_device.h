@@ -1,6 +1,7 @@
 #pragma once
 
 #include "device/device.h"
+#include "device/mailbox.h"
 #include "sim/phantom_plant.h"
 
 namespace handloop::device {
@@ -21,6 +22,10 @@ class SimDevice final : public Device {
   void stop() override;
   bool lock_step() const override { return true; }
 
+  /// Pulls at the stylus from the next sample on. From one thread, which may be another than that of read() and
+  /// write(); neither waits.
+  void pull(const sim::Pull& pull) { pulls_.post(pull); }
+
   /// What really happens in there: for tests, panels and demonstrations, never for a controller.
   sim::PhantomPlant& plant() { return plant_; }
   const sim::PhantomPlant& plant() const { return plant_; }
@@ -28,6 +33,7 @@ class SimDevice final : public Device {
  private:
   sim::PhantomPlant plant_;
   DeviceDescription description_;
+  Mailbox<sim::Pull> pulls_;
   bool stopped_ = false;
 };
 

@@ -102,6 +102,7 @@ void PhantomDynamics::reset() {
   for (auto& arm : arms_) arm.reset();
   hand_.reset();
   actuator_.reset();
+  pull_ = {};
   torque_Nm_.setZero();
 }
 
@@ -153,6 +154,7 @@ PhantomDynamics::Reaction PhantomDynamics::reaction(double t_s, const TipState& 
     sum.inertia_kg[row] = part.inertia_kg;
     sum.grasp_N[row] = part.grasp_N;
   }
+  sum.force_N += pull_reaction_N(tip);
   return sum;
 }
 
@@ -212,6 +214,7 @@ void PhantomDynamics::evaluate(int stage, double t_s, double share_of_sample) {
     force[models::device_row(axis)] = part.force_N;
     inertia[models::device_row(axis)] = part.inertia_kg;
   }
+  force += pull_reaction_N(now);
   solve(now, force, inertia, link_torques(stage, now, actuator_.added_N(stage)));
   std::copy_n(data_->qvel, stage_v_[stage].size(), stage_v_[stage].begin());
   std::copy_n(data_->qacc, stage_a_[stage].size(), stage_a_[stage].begin());
@@ -246,6 +249,14 @@ Vector3d PhantomDynamics::link_torques(int stage, const TipState& tip, const Vec
     rotor_acceleration_[stage][i] = (torque[i] - on_link[i]) / scene_.rotor_kg_m2[i];
   }
   return on_link;
+}
+
+Vector3d PhantomDynamics::pull_reaction_N(const TipState& tip) const {
+  if (!(pull_.stiffness_N_per_m > 0)) return Vector3d::Zero();
+  const Vector3d anchor(pull_.anchor_m[0], pull_.anchor_m[1], pull_.anchor_m[2]);
+  Vector3d force = pull_.stiffness_N_per_m * (tip.position_m - anchor);
+  if (const double size = force.norm(); size > pull_.limit_N) force *= pull_.limit_N / size;
+  return force + pull_.damping_Ns_per_m * tip.velocity_m_per_s;
 }
 
 void PhantomDynamics::push_tip(const TipState& tip, const Vector3d& force_N) {

@@ -10,6 +10,7 @@
 #include "sim/arm_axis.h"
 #include "sim/hand_motion.h"
 #include "sim/phantom_scene.h"
+#include "sim/pull.h"
 
 namespace handloop::sim {
 
@@ -32,6 +33,9 @@ class PhantomDynamics {
   Eigen::Vector3d holding_torque_Nm();
   /// One sample further, the joint torques (Nm) held. `sample` counts from 0.
   void advance(std::uint64_t sample, const Eigen::Vector3d& torque_Nm);
+
+  /// Somebody else's hand on the stylus, felt from the next step on.
+  void set_pull(const Pull& pull) { pull_ = pull; }
 
   double step_s() const { return step_s_; }
   const PhantomScene& scene() const { return scene_; }
@@ -69,6 +73,8 @@ class PhantomDynamics {
   Eigen::Vector3d link_torques(int stage, const TipState& tip, const Eigen::Vector3d& actuator_N);
   Eigen::Vector3d solve(const TipState& tip, const Eigen::Vector3d& reaction_N, const Eigen::Vector3d& inertia_kg,
                         const Eigen::Vector3d& link_torque_Nm);
+  /// What a pulling spring asks of the tip, as a reaction.
+  Eigen::Vector3d pull_reaction_N(const TipState& tip) const;
   void push_tip(const TipState& tip, const Eigen::Vector3d& force_N);
   void add_tip_inertia(const TipState& tip, const Eigen::Vector3d& mass_kg);
 
@@ -80,6 +86,7 @@ class PhantomDynamics {
   HandMotion hand_;
   std::vector<ArmAxis> arms_;  ///< by axis
   ActuatorEffects actuator_;
+  Pull pull_;
   Eigen::Vector3d pose_, tip_at_pose_;
   Eigen::Vector3d torque_Nm_ = Eigen::Vector3d::Zero();
 

@@ -179,6 +179,9 @@ PlantReading PhantomPlant::read() const noexcept {
 void PhantomPlant::advance(const PlantCommand& command) noexcept {
   impl_->advance(command);
 }
+void PhantomPlant::set_pull(const Pull& pull) noexcept {
+  impl_->dynamics.set_pull(pull);
+}
 void PhantomPlant::reset() noexcept {
   impl_->reset();
 }

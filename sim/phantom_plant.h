@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "models/scenario.h"
+#include "sim/pull.h"
 
 struct mjModel_;
 struct mjData_;
@@ -93,6 +94,8 @@ class PhantomPlant {
   /// Takes the command of the present sample, holds it and moves on by one sample time. The plant has no delay of its
   /// own: the loop's delay belongs to whoever closes it. Real-time safe: neither allocates, locks nor throws.
   void advance(const PlantCommand& command) noexcept;
+  /// Pulls at the stylus from now on, until told otherwise or reset(). Real-time safe.
+  void set_pull(const Pull& pull) noexcept;
   /// Back to the first sample. Real-time safe.
   void reset() noexcept;
 

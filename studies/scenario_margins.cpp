@@ -10,8 +10,8 @@
 #include "control/stability_boundary.h"
 #include "models/arm_tables.h"
 #include "models/phantom.h"
-#include "models/scenario_tip.h"
 #include "models/transducers.h"
+#include "studies/scenario_loop.h"
 
 namespace handloop::studies {
 namespace {
@@ -25,38 +25,12 @@ std::size_t index(Axis axis) {
   return static_cast<std::size_t>(axis);
 }
 
-/// The hand of one axis as a model: arm or rigid hand, with its effects.
-models::AxisModel hand_model(const models::Scenario& scenario, Axis axis) {
-  models::AxisModel model;
-  model.axis = axis;
-  model.arm = scenario.arm.axes[index(axis)];
-  if (const auto& rigid = scenario.arm.rigid[index(axis)]) {
-    model.base = models::BaseModel::msd;
-    model.msd = *rigid;
-  }
-  for (const auto& [on, effect] : scenario.arm.effects) {
-    if (on == axis) model.effects.push_back(effect);
-  }
-  return model;
-}
-
-Loop loop_of(const models::Scenario& scenario, Axis axis) {
-  const auto tip = models::tip_of(scenario, axis);
-  Loop loop;
-  loop.plant = {tip.mass_kg, tip.damping_Ns_per_m, {}};
-  if (scenario.arm.attached && !scenario.arm.rigid[index(axis)]) loop.plant.arm = scenario.arm.axes[index(axis)];
-  loop.timing = {scenario.loop.sample_time_s, scenario.loop.delay_samples, scenario.loop.cutoff_Hz};
-  loop.gains = {scenario.loop.stiffness_N_per_m, scenario.loop.damping_Ns_per_m};
-  return loop;
-}
-
 /// Margins of an axis with whatever holds it.
 control::Margins margins_of(const models::Scenario& scenario, Axis axis) {
   const Loop loop = loop_of(scenario, axis);
-  const auto model = hand_model(scenario, axis);
-  if (!scenario.arm.attached || (model.effects.empty() && model.base == models::BaseModel::arm5))
-    return control::evaluate(loop);
-  return control::evaluate(model, {}, loop.plant.tip_mass_kg, loop.plant.tip_damping_Ns_per_m, loop.timing, loop.gains);
+  if (!needs_linear_plant(scenario, axis)) return control::evaluate(loop);
+  return control::evaluate(hand_model(scenario, axis), {}, loop.plant.tip_mass_kg, loop.plant.tip_damping_Ns_per_m,
+                           loop.timing, loop.gains);
 }
 
 control::MultiAxisMargins all_axes(const models::Scenario& scenario, const Loop& loop) {

@@ -28,19 +28,32 @@ io::Series circle(double centre, double radius, std::string label, io::Colour co
   return s;
 }
 
+template <typename Plant>
+LoopCurve curve_of(const Plant& plant, const control::LoopTiming& timing, const control::WallGains& gains, int points) {
+  LoopCurve curve;
+  const double nyquist = 0.998 * kPi / timing.sample_time_s;  // short of the point where L turns real
+  for (int i = 0; i <= points; ++i) {
+    const double w = nyquist * std::pow(10.0, -3.5 * (1 - static_cast<double>(i) / points));
+    curve.frequency_Hz.push_back(w / (2 * kPi));
+    curve.loop.push_back(control::loop_response(plant, timing, gains, w).loop);
+  }
+  return curve;
+}
+
 }  // namespace
 
 LoopCurve loop_curve(const control::Loop& loop) {
-  LoopCurve curve;
-  const auto plant = control::sample_plant(loop.plant, loop.timing.sample_time_s);
-  const double nyquist = 0.998 * kPi / loop.timing.sample_time_s;  // short of the point where L turns real
-  constexpr int kPoints = 1200;
-  for (int i = 0; i <= kPoints; ++i) {
-    const double w = nyquist * std::pow(10.0, -3.5 * (1 - static_cast<double>(i) / kPoints));
-    curve.frequency_Hz.push_back(w / (2 * kPi));
-    curve.loop.push_back(control::loop_response(plant, loop.timing, loop.gains, w).loop);
-  }
-  return curve;
+  return loop_curve(control::sample_plant(loop.plant, loop.timing.sample_time_s), loop.timing, loop.gains);
+}
+
+LoopCurve loop_curve(const control::SampledPlant& plant, const control::LoopTiming& timing,
+                     const control::WallGains& gains) {
+  return curve_of(plant, timing, gains, 1200);
+}
+
+LoopCurve loop_curve(const control::SampledLinearPlant& plant, const control::LoopTiming& timing,
+                     const control::WallGains& gains) {
+  return curve_of(plant, timing, gains, 600);
 }
 
 std::vector<io::Plot> bode_plots(const LoopCurve& curve, const control::Margins& margins) {

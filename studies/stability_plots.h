@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "control/linear_plant.h"
 #include "control/margins.h"
 #include "control/population_margins.h"
 #include "io/plot.h"
@@ -16,6 +17,11 @@ struct LoopCurve {
   std::vector<std::complex<double>> loop;
 };
 LoopCurve loop_curve(const control::Loop& loop);
+/// The same of a plant sampled before, with or without effects.
+LoopCurve loop_curve(const control::SampledPlant& plant, const control::LoopTiming& timing,
+                     const control::WallGains& gains);
+LoopCurve loop_curve(const control::SampledLinearPlant& plant, const control::LoopTiming& timing,
+                     const control::WallGains& gains);
 
 /// Magnitude in dB and phase in degrees of L, with the crossings that give the margins.
 std::vector<io::Plot> bode_plots(const LoopCurve& curve, const control::Margins& margins);
