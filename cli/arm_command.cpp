@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "cli/commands.h"
 #include "cli/progress_bar.h"

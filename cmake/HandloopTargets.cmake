@@ -47,9 +47,10 @@ function(handloop_library name)
   set_property(GLOBAL APPEND PROPERTY HANDLOOP_LIBRARIES handloop_${name})
 endfunction()
 
-# handloop_tests(FOLDER DEPENDS ...): one GoogleTest program for tests/FOLDER, every *_test.cpp in it.
+# handloop_tests(FOLDER [PROGRAM] DEPENDS ...): one GoogleTest program for tests/FOLDER, every *_test.cpp in it. PROGRAM:
+# its tests start handloop.
 function(handloop_tests folder)
-  cmake_parse_arguments(ARG "" "" "DEPENDS" ${ARGN})
+  cmake_parse_arguments(ARG "PROGRAM" "" "DEPENDS" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/tests/${folder}/*.cpp")
   if(NOT sources)
     return()
@@ -57,7 +58,9 @@ function(handloop_tests folder)
   add_executable(${folder}_tests ${sources})
   target_link_libraries(${folder}_tests PRIVATE handloop_compile_options handloop_test_support ${ARG_DEPENDS} GTest::gtest GTest::gtest_main)
   target_compile_options(${folder}_tests PRIVATE "SHELL:-include tests/support/paths.h")
-  add_dependencies(${folder}_tests handloop)
+  if(ARG_PROGRAM)
+    add_dependencies(${folder}_tests handloop)
+  endif()
   include(GoogleTest)
   gtest_discover_tests(${folder}_tests TEST_PREFIX "${folder}." DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60
                        PROPERTIES TIMEOUT 300)

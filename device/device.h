@@ -50,7 +50,8 @@ struct DeviceDescription {
   std::size_t gauge_count = 0;
   std::array<std::array<double, kMaxAnalogInputs>, 3> gauge_N_per_V{};
   double sample_time_s = 0.001;
-  bool ideal = false;  ///< noise-free: a constant sensor is then no sign of a dead one
+  bool recorded = false;  ///< a recording does not answer to commands: what follows from them cannot be checked
+  bool ideal = false;     ///< noise-free: a constant sensor is then no sign of a dead one
 };
 
 /// One session with a device, one thread. start() once, then read() and write() in turn, once a sample; stop() at any

@@ -7,12 +7,15 @@ namespace {
 
 using enum FaultResponse;
 
-constexpr std::array<FaultInfo, 19> kFaults{{
+constexpr std::array<FaultInfo, 20> kFaults{{
     {Fault::none, "none", "no fault", "", ramp_to_zero},
     {Fault::not_finite, "not_finite", "a position, force or command was not a finite number", "", zero_at_once},
     {Fault::no_reading, "no_reading", "no fresh sample for longer than the watchdog allows", "samples", ramp_to_zero},
     {Fault::encoder_jump, "encoder_jump", "the tip moved further in one sample than it can", "m", zero_at_once},
     {Fault::encoder_stuck, "encoder_stuck", "the sensed force changed while an encoder it must move did not", "N",
+     ramp_to_zero},
+    {Fault::encoder_disagrees, "encoder_disagrees",
+     "the forces move a joint and its counter does not follow (0: it stopped, below: it counts backwards)", "",
      ramp_to_zero},
     {Fault::velocity, "velocity", "the tip moved faster than the limit", "m/s", ramp_to_zero},
     {Fault::acceleration, "acceleration", "the tip accelerated more than the limit", "m/s^2", ramp_to_zero},

@@ -13,6 +13,7 @@ enum class Fault : std::uint8_t {
   no_reading,
   encoder_jump,
   encoder_stuck,
+  encoder_disagrees,
   velocity,
   acceleration,
   workspace,

@@ -19,7 +19,7 @@ Eigen::Vector3d pose_rad(const models::Scenario& scenario) {
 
 LoopConfig loop_config(const models::Scenario& scenario, const Eigen::Vector3d& home_tip_m) {
   LoopConfig config;
-  config.limits = safety_limits(scenario.safety, home_tip_m);
+  config.limits = safety_limits(scenario, home_tip_m);
   config.delay_samples = scenario.loop.delay_samples;
   return config;
 }

@@ -37,7 +37,9 @@ Loop::Loop(const LoopConfig& config, const DeviceDescription& description, const
       zero_(zero_code(description)),
       limiter_(config.limits, description.sample_time_s),
       observer_(config.limits.energy_J, description.sample_time_s),
-      monitor_(config.limits, description) {
+      monitor_(config.limits, description),
+      encoders_(description.motor_count, description.sample_time_s, config.limits.least_momentum_Ns),
+      forces_known_(config.limits.watch_encoders && !description.recorded && description.analog_input_count >= 3) {
   if (config.delay_samples < 0 || config.delay_samples > kMaxDelaySamples) {
     throw InputError("loop.delay_samples must be 0 to " + std::to_string(kMaxDelaySamples) + ", not " +
                      std::to_string(config.delay_samples));
@@ -51,6 +53,7 @@ void Loop::reset() noexcept {
   limiter_.reset();
   observer_.reset();
   monitor_.reset();
+  encoders_.reset();
   unwrap_.reset();
   record_ = {};
   event_ = {};
@@ -169,6 +172,7 @@ bool Loop::take_fresh(const Reading& reading, std::uint64_t samples) {
   if (seen.fault == Fault::none && record_.energy_J > config_.limits.energy_J) {
     seen = {Fault::energy, 0, 0, record_.energy_J, config_.limits.energy_J};
   }
+  if (seen.fault == Fault::none) seen = check_encoders(input, samples);
   if (seen.fault != Fault::none) {
     seen.sample = steps_;
     seen.time_ns = reading.time_ns;
@@ -209,6 +213,19 @@ bool Loop::take_fresh(const Reading& reading, std::uint64_t samples) {
         i < description_.motor_count ? torque_code(description_, i, torque[static_cast<Eigen::Index>(i)]) : zero_;
   }
   return true;
+}
+
+FaultEvent Loop::check_encoders(const control::ControllerInput& input, std::uint64_t samples) noexcept {
+  if (!forces_known_ || samples > static_cast<std::uint64_t>(config_.limits.watchdog_samples) + 1) return {};
+  if (monitor_.any_force_input_at_end()) {  // says nothing about force
+    encoders_.reset();
+    return {};
+  }
+  Eigen::Vector3d torque_Nm = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < description_.motor_count; ++i) {
+    torque_Nm[static_cast<Eigen::Index>(i)] = code_torque_Nm(description_, i, held_.codes[i]);
+  }
+  return encoders_.check(input.joint_rad, input.mechanism, torque_Nm, input.sensed_force_N, samples);
 }
 
 void Loop::latch(FaultEvent event) noexcept {

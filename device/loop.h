@@ -6,6 +6,7 @@
 #include "control/controllers/controller.h"
 #include "control/controllers/mechanism.h"
 #include "device/device.h"
+#include "device/encoder_watch.h"
 #include "device/fault.h"
 #include "device/record.h"
 #include "device/safety.h"
@@ -69,6 +70,7 @@ class Loop {
   void take(const Reading& reading);
   bool take_fresh(const Reading& reading, std::uint64_t samples);
   void latch(FaultEvent event) noexcept;
+  FaultEvent check_encoders(const control::ControllerInput& input, std::uint64_t samples) noexcept;
   Command next_command() noexcept;
   void write(Device& device) noexcept;
 
@@ -82,6 +84,8 @@ class Loop {
   ForceLimiter limiter_;
   PassivityObserver observer_;
   MotionMonitor monitor_;
+  EncoderWatch encoders_;
+  bool forces_known_;  ///< commands cause the motion, and a sensor tells the force passed on
   EncoderUnwrap unwrap_;
 
   StepRecord record_;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "control/controllers/phantom_mechanism.h"
@@ -26,6 +27,7 @@ std::uint32_t adc_code(const DeviceDescription& d, double volts) {
 ReplayDevice::ReplayDevice(const DeviceDescription& description, const models::Scenario& scenario,
                            const std::filesystem::path& recording)
     : description_(description) {
+  description_.recorded = true;
   const bool is_csv = recording.extension() != ".mat";
   if (!is_csv || !read_log(recording)) read_recording(recording, scenario);
 }

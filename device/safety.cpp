@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "device/scales.h"
 
@@ -14,6 +13,9 @@ constexpr double kVelocityCutoff_Hz = 100.0;
 constexpr double kAccelerationCutoff_Hz = 30.0;
 // Above this the inertia of the device stands between motors and sensor.
 constexpr double kMismatchCutoff_Hz = 2.0;
+// Dry friction F reversing at 1 Hz leaves an impulse of 0.07 F s rms in the band of EncoderWatch.
+constexpr double kFrictionImpulse_s = 0.1;
+constexpr double kShortestLever_m = 0.14;
 constexpr int kSaturatedSamples = 20;
 constexpr int kDeadSamples = 500;
 constexpr double kDeadWay_m = 2e-3;
@@ -22,17 +24,14 @@ constexpr int kStuckSamples = 50;
 constexpr double kJumpFactor = 1.5;
 constexpr double kJumpRoom_m = 2e-4;
 
-double pole(double cutoff_Hz, double sample_time_s) {
-  return std::exp(-2.0 * std::numbers::pi * cutoff_Hz * sample_time_s);
-}
-
 FaultEvent found(Fault fault, double value, double limit) {
   return {fault, 0, 0, value, limit};
 }
 
 }  // namespace
 
-SafetyLimits safety_limits(const models::SafetySettings& settings, const Eigen::Vector3d& home_tip_m) {
+SafetyLimits safety_limits(const models::Scenario& scenario, const Eigen::Vector3d& home_tip_m) {
+  const models::SafetySettings& settings = scenario.safety;
   SafetyLimits limits;
   limits.force_N = settings.force_limit_N;
   limits.force_rate_N_per_s = settings.force_rate_limit_N_per_s;
@@ -41,6 +40,12 @@ SafetyLimits safety_limits(const models::SafetySettings& settings, const Eigen::
   limits.workspace_radius_m = settings.workspace_radius_m;
   limits.energy_J = settings.energy_limit_J;
   limits.watchdog_samples = settings.watchdog_samples;
+  limits.watch_encoders =
+      std::none_of(scenario.arm.effects.begin(), scenario.arm.effects.end(), [](const auto& axis_and_effect) {
+        const auto place = axis_and_effect.second->place();
+        return place != models::Place::arm && place != models::Place::grasp;
+      });
+  limits.least_momentum_Ns += kFrictionImpulse_s * scenario.device.joint_coulomb_Nm / kShortestLever_m;
   limits.home_tip_m = home_tip_m;
   return limits;
 }
@@ -78,9 +83,9 @@ MotionMonitor::MotionMonitor(const SafetyLimits& limits, const DeviceDescription
     : limits_(limits),
       description_(description),
       sample_time_s_(description.sample_time_s),
-      velocity_pole_(pole(kVelocityCutoff_Hz, description.sample_time_s)),
-      acceleration_pole_(pole(kAccelerationCutoff_Hz, description.sample_time_s)),
-      mismatch_pole_(pole(kMismatchCutoff_Hz, description.sample_time_s)) {}
+      velocity_pole_(filter_pole(kVelocityCutoff_Hz, description.sample_time_s)),
+      acceleration_pole_(filter_pole(kAccelerationCutoff_Hz, description.sample_time_s)),
+      mismatch_pole_(filter_pole(kMismatchCutoff_Hz, description.sample_time_s)) {}
 
 void MotionMonitor::reset() noexcept {
   started_ = false;

@@ -6,6 +6,7 @@
 
 #include "control/controllers/mechanism.h"
 #include "device/device.h"
+#include "device/encoder_watch.h"
 #include "device/fault.h"
 #include "models/scenario.h"
 
@@ -24,10 +25,14 @@ struct SafetyLimits {
   double ramp_s = 0.05;
   double stuck_force_N = 2.0;     ///< change of sensed force that must move an encoder
   double mismatch_force_N = 2.0;  ///< between sensed and asked force, both below 2 Hz
+  bool watch_encoders = true;     ///< by the forces: see EncoderWatch
+  double least_momentum_Ns = EncoderWatch::kLeast_Ns;
   Eigen::Vector3d home_tip_m = Eigen::Vector3d::Zero();
 };
 
-SafetyLimits safety_limits(const models::SafetySettings& settings, const Eigen::Vector3d& home_tip_m);
+/// Those of a scenario. The counters are not watched where it adds effects to joint, actuator or sensor: forces its
+/// controller does not know of.
+SafetyLimits safety_limits(const models::Scenario& scenario, const Eigen::Vector3d& home_tip_m);
 
 /// Clips a wanted force: its norm to the limit, its change from the last one to the rate. Keeps the direction of each.
 class ForceLimiter {
@@ -72,14 +77,13 @@ class MotionMonitor {
                    const Eigen::Vector3d& held_force_N, std::uint64_t samples) noexcept;
   /// Tip velocity through a 100 Hz first-order low-pass.
   const Eigen::Vector3d& velocity_m_per_s() const noexcept { return velocity_; }
+  bool any_force_input_at_end() const noexcept;
 
  private:
   FaultEvent check_motion(const control::MechanismState& state, std::uint64_t samples) noexcept;
   FaultEvent check_sensors(const Reading& reading, double tip_step_m) noexcept;
   FaultEvent check_encoders(const Reading& reading, const control::MechanismState& state,
                             const Eigen::Vector3d& sensed_N) noexcept;
-
-  bool any_force_input_at_end() const noexcept;
   FaultEvent check_forces(const Eigen::Vector3d& sensed_N, const Eigen::Vector3d& held_force_N) noexcept;
 
   SafetyLimits limits_;

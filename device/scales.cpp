@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace handloop::device {
 namespace {
@@ -11,6 +12,10 @@ double largest_code(int bits) {
 }
 
 }  // namespace
+
+double filter_pole(double cutoff_Hz, double sample_time_s) {
+  return std::exp(-2.0 * std::numbers::pi * cutoff_Hz * sample_time_s);
+}
 
 std::uint32_t zero_code(const DeviceDescription& description) {
   return dac_code(description, 0.0);

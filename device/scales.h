@@ -9,6 +9,9 @@ namespace handloop::device {
 
 using Vector3 = Eigen::Vector3d;
 
+/// Pole of a sampled first-order low-pass: y = pole y + (1 - pole) x.
+double filter_pole(double cutoff_Hz, double sample_time_s);
+
 /// DAC code nearest to 0 V, from above: half a code too high, as no code of an even number is exactly 0 V.
 std::uint32_t zero_code(const DeviceDescription& description);
 

@@ -42,7 +42,7 @@ int main() {
   device::LoopConfig config;
   config.delay_samples = scenario.loop.delay_samples;
   const Eigen::Vector3d pose(scenario.device.pose_rad.data());
-  config.limits = device::safety_limits(scenario.safety, mechanism->at(pose).tip_m);
+  config.limits = device::safety_limits(scenario, mechanism->at(pose).tip_m);
   device::Loop loop(config, phantom.description(), *mechanism, honey);
 
   phantom.start();

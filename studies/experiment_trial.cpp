@@ -103,7 +103,7 @@ device::SessionResult attempt(const TrialPlan& plan, const models::Scenario& sce
   const int row = models::device_row(plan.axis);
   StimulusController controller(stimulus.force_N, row);
   device::LoopConfig config;
-  config.limits = device::safety_limits(scenario.safety, home);
+  config.limits = device::safety_limits(scenario, home);
   config.limits.force_N = plan.highest_force_N;
   config.limits.energy_J = std::numeric_limits<double>::infinity();  // a stimulus gives energy: that is its purpose
   // what the device's own mass takes or gives is no sign of a broken sensor

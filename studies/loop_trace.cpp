@@ -52,7 +52,7 @@ LoopTrace trace_loop(const models::Scenario& scenario) {
   const Eigen::Vector3d pose(scenario.device.pose_rad[0], scenario.device.pose_rad[1], scenario.device.pose_rad[2]);
   const Eigen::Vector3d home_m = mechanism->at(pose).tip_m;
   auto wall = control::make_virtual_wall(scenario, home_m);
-  const device::LoopConfig config{device::safety_limits(scenario.safety, home_m), scenario.loop.delay_samples};
+  const device::LoopConfig config{device::safety_limits(scenario, home_m), scenario.loop.delay_samples};
   device::Loop loop(config, device.description(), *mechanism, wall);
 
   device::SessionOptions options;

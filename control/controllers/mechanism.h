@@ -12,6 +12,8 @@ struct MechanismState {
   Eigen::Matrix3d jacobian = Eigen::Matrix3d::Zero();
   /// Joint torque the motors must supply to hold the device still, stylus included.
   Eigen::Vector3d gravity_torque_Nm = Eigen::Vector3d::Zero();
+  /// M(q), joint torque = M q'' + ..., rotors and stylus included; zero where it is not known.
+  Eigen::Matrix3d mass_matrix_kg_m2 = Eigen::Matrix3d::Zero();
 };
 
 /// Kinematics and gravity as a controller knows them: what it computes from joint angles. Immutable.

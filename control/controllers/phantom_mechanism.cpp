@@ -26,6 +26,7 @@ MechanismState PhantomMechanism::at(const Eigen::Vector3d& joint_rad) const noex
   state.tip_m = models::phantom_tip(lengths_, joint_rad);
   state.jacobian = models::phantom_jacobian(lengths_, joint_rad);
   state.gravity_torque_Nm = models::phantom_gravity(masses_, joint_rad);
+  state.mass_matrix_kg_m2 = models::phantom_mass_matrix(masses_, joint_rad);
   if (counterbalanced_) {
     state.gravity_torque_Nm[1] -=
         masses_.tip_mass_kg * masses_.gravity_m_per_s2 * masses_.l1_m * std::cos(joint_rad[1]);

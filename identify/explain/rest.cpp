@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "identify/explain/signals.h"
 #include "models/effects/tabulated.h"

@@ -16,12 +16,13 @@ namespace handloop::device {
 /// Three sliding joints with a lever of 0.2 m each: tip = 0.2 q, and a constant load on joint 2.
 class FakeMechanism final : public control::Mechanism {
  public:
-  static constexpr double kLever_m = 0.2;
+  static constexpr double kLever_m = 0.2, kMass_kg = 0.1;
   control::MechanismState at(const Eigen::Vector3d& q) const noexcept override {
     control::MechanismState state;
     state.tip_m = kLever_m * q;
     state.jacobian = kLever_m * Eigen::Matrix3d::Identity();
     state.gravity_torque_Nm = {0.0, 0.05, 0.0};
+    state.mass_matrix_kg_m2 = kMass_kg * kLever_m * kLever_m * Eigen::Matrix3d::Identity();
     return state;
   }
   Eigen::Vector3d gravity_bound_Nm() const noexcept override { return {0.0, 0.06, 0.0}; }
@@ -31,7 +32,7 @@ class FakeMechanism final : public control::Mechanism {
 /// Integrated at 1/50 of the sample by the symplectic Euler rule. One row is pushed, and all may sway.
 class FakePlant final : public Device {
  public:
-  double mass_kg = 0.1, hand_k = 200.0, hand_b = 3.0, push_N = 2.0;
+  double mass_kg = FakeMechanism::kMass_kg, hand_k = 200.0, hand_b = 3.0, push_N = 2.0;
   std::size_t push_row = 0;
   double sway_N = 0.0;  ///< of 1.5, 2 and 2.5 Hz on the three axes
 

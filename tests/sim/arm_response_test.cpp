@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+
 #include "models/arm_population.h"
 #include "tests/sim/plant_loop.h"
 
