@@ -57,6 +57,14 @@ std::vector<control::BoundaryPiece> boundary(const control::SampledLinearPlant& 
   return pieces;
 }
 
+/// The loop of a scenario whose device somebody holds by a five-parameter arm.
+control::Loop held_loop(const models::Scenario& scenario) {
+  auto loop = loop_of(scenario, scenario.wall.axis);
+  if (!loop.plant.arm)
+    throw InputError("arm: nobody holds the device by a five-parameter arm, so there is no population");
+  return loop;
+}
+
 }  // namespace
 
 NominalTuning tune_nominal(const models::Scenario& scenario) {
@@ -78,13 +86,30 @@ NominalTuning tune_nominal(const models::Scenario& scenario) {
   return result;
 }
 
+control::GainWindow near_window(const control::Loop& loop) {
+  const auto round_up = [](double x) {
+    const double decade = std::pow(10.0, std::floor(std::log10(x)));
+    return decade * std::ceil(2 * x / decade - 1e-9) / 2;
+  };
+  const auto plant = control::sample_plant(loop.plant, loop.timing.sample_time_s);
+  const double damping = round_up(std::max(3 * std::abs(loop.gains.damping_Ns_per_m), 4.0));
+  double stiffness = std::max(1.5 * std::abs(loop.gains.stiffness_N_per_m), 100.0);
+  if (loop.timing.delay_samples <= control::ClosedLoopVerdict::kMaxDelay) {
+    for (int i = 0; i <= 6; ++i) {
+      const double K = control::critical_stiffness(plant, loop.timing, damping * i / 6);
+      if (std::isfinite(K)) stiffness = std::max(stiffness, 1.2 * K);
+    }
+  }
+  return {0, round_up(stiffness), 0, damping};
+}
+
 RobustTuning tune_robust(const models::Scenario& scenario, const std::optional<control::GainWindow>& window) {
   RobustTuning result;
   const auto axis = scenario.wall.axis;
   const auto loop = loop_of(scenario, axis);
   control::require_valid(loop);
   result.required_damping_Ns_per_m = control::colgate_required_damping(loop.timing, loop.gains);
-  result.window = window ? *window : natural_window(loop);
+  result.window = window ? *window : near_window(loop);
   if (loop.plant.arm) {
     const auto peak = [&](models::UncertaintySet set) {
       return control::unstructured_peak(loop.plant, loop.timing, loop.gains, models::uncertainty(axis, set), 0.6, 30);
@@ -105,45 +130,45 @@ RobustTuning tune_robust(const models::Scenario& scenario, const std::optional<c
   return result;
 }
 
-std::optional<PopulationTuning> tune_population(const models::Scenario& scenario, const PopulationRequest& request,
-                                                std::stop_token stop, const Progress& progress) {
-  const auto axis = scenario.wall.axis;
-  const auto loop = loop_of(scenario, axis);
-  if (!loop.plant.arm)
-    throw InputError("arm: nobody holds the device by a five-parameter arm, so there is no population");
-  const models::ArmPopulation population(axis);
+control::PopulationMargins tune_population(const models::Scenario& scenario, std::size_t arms, std::uint64_t seed,
+                                           unsigned threads) {
+  const auto loop = held_loop(scenario);
+  return control::population_margins(models::ArmPopulation(scenario.wall.axis), loop, arms, seed, 5, threads);
+}
+
+std::optional<PopulationLimits> population_limits(const models::Scenario& scenario, std::size_t arms,
+                                                  std::uint64_t seed, const control::GainWindow& window,
+                                                  std::stop_token stop, const Progress& progress) {
+  const auto loop = held_loop(scenario);
+  const models::ArmPopulation population(scenario.wall.axis);
+  PopulationLimits result;
+  if (loop.timing.delay_samples > control::ClosedLoopVerdict::kMaxDelay) return result;
   constexpr std::size_t kLevels = 16;
-  const std::size_t total = request.arms + kLevels + 1;
+  const std::size_t total = arms + kLevels + 1;
   std::size_t done = 0;
-  const auto stopped = [&](std::size_t parts) {
-    done += parts;
-    if (progress) progress(done, total);
+  const auto stopped = [&] {
+    if (progress) progress(++done, total);
     return stop.stop_requested();
   };
-  PopulationTuning result;
-  result.margins = control::population_margins(population, loop, request.arms, request.seed, 5, request.threads);
-  if (stopped(1)) return std::nullopt;
-  if (loop.timing.delay_samples > control::ClosedLoopVerdict::kMaxDelay) return result;
-  const auto& window = request.window;
   const double span = window.damping_high - window.damping_low;
-  for (std::size_t i = 0; i < request.arms; ++i) {
+  for (std::size_t i = 0; i < arms; ++i) {
     auto plant = loop.plant;
-    plant.arm = population.sample(request.seed, i);
+    plant.arm = population.sample(seed, i);
     // the golden ratio spreads dampings evenly however many arms there are
     const double B = window.damping_low + span * std::fmod(0.6180339887498949 * static_cast<double>(i + 1), 1.0);
     const double K =
         control::critical_stiffness(control::sample_plant(plant, loop.timing.sample_time_s), loop.timing, B);
     if (std::isfinite(K)) result.cloud.push_back({K, B});
-    if (stopped(1)) return std::nullopt;
+    if (stopped()) return std::nullopt;
   }
-  const std::size_t arms = std::min<std::size_t>(request.arms, 400);
+  constexpr std::size_t kForTheLine = 400;
   for (std::size_t i = 0; i <= kLevels; ++i) {
     auto level = loop;
     level.gains.damping_Ns_per_m = window.damping_low + span * static_cast<double>(i) / kLevels;
     const double K =
-        control::population_permitted_stiffness(population, level, arms, request.seed, 0.95, request.threads);
+        control::population_permitted_stiffness(population, level, std::min(arms, kForTheLine), seed, 0.95, 1);
     if (std::isfinite(K)) result.line95.push_back({K, level.gains.damping_Ns_per_m});
-    if (stopped(i == kLevels ? 0 : 1)) return std::nullopt;
+    if (stopped()) return std::nullopt;
   }
   return result;
 }

@@ -39,30 +39,31 @@ struct RobustTuning {
   control::GainWindow window;
   std::vector<control::BoundaryPiece> boundary;  ///< of the plant with its effects
 };
-/// The window must show the present gains; none: one that fits the loop. Throws InputError as tune_nominal.
+/// The window must show the present gains; none: near_window. Throws InputError as tune_nominal.
 RobustTuning tune_robust(const models::Scenario& scenario, const std::optional<control::GainWindow>& window = {});
+
+/// The part of the K-B plane about the gains where a designer works: three times the damping, and as much stiffness as
+/// can be stable there. (natural_window of studies/scenario_boundaries.h shows the whole region of stability.)
+control::GainWindow near_window(const control::Loop& loop);
+
+/// Margins of the sampled arms in the loop of the scenario, effects left out. Throws InputError as tune_nominal; a
+/// scenario without a five-parameter arm on its axis has no population (InputError).
+control::PopulationMargins tune_population(const models::Scenario& scenario, std::size_t arms, std::uint64_t seed,
+                                           unsigned threads = 0);
 
 /// A point of the K-B plane.
 struct GainPoint {
   double stiffness_N_per_m = 0.0, damping_Ns_per_m = 0.0;
 };
 
-/// The sampled arms in the loop of the scenario (effects left out): their margins, and where each one's stability ends.
-struct PopulationTuning {
-  control::PopulationMargins margins;
+/// Where the stability of each sampled arm ends, effects left out.
+struct PopulationLimits {
   std::vector<GainPoint> cloud;   ///< each arm's critical stiffness, at a damping of its own spread over the window
   std::vector<GainPoint> line95;  ///< 95 % of the arms are stable below
 };
-
-struct PopulationRequest {
-  std::size_t arms = 2000;
-  std::uint64_t seed = 1;
-  control::GainWindow window;
-  unsigned threads = 0;
-};
-/// Empty where a stop was asked for meanwhile. Throws InputError as tune_nominal; a scenario without a five-parameter
-/// arm on its axis has no population (InputError).
-std::optional<PopulationTuning> tune_population(const models::Scenario& scenario, const PopulationRequest& request,
-                                                std::stop_token stop = {}, const Progress& progress = {});
+/// Empty where a stop was asked for meanwhile. Throws InputError as tune_population.
+std::optional<PopulationLimits> population_limits(const models::Scenario& scenario, std::size_t arms,
+                                                  std::uint64_t seed, const control::GainWindow& window,
+                                                  std::stop_token stop = {}, const Progress& progress = {});
 
 }  // namespace handloop::studies

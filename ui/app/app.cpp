@@ -12,6 +12,7 @@
 #include "models/errors.h"
 #include "ui/app/description.h"
 #include "ui/views/controls_view.h"
+#include "ui/views/subject_view.h"
 #include "ui/views/tune_view.h"
 #include "ui/widgets/fields.h"
 #include "ui/widgets/landmarks.h"
@@ -48,13 +49,15 @@ Brightness brightness_of(const std::string& theme) {
 
 App::App(const PanelOptions& options)
     : options_(options),
+      brightness_(brightness_of(options.theme)),
+      first_view_(view_of(options.view)),
       window_(options.width, options.height, "handloop"),
       bench_(options.scenario, options.scenario_path),
       scene_(options.scenario),
-      brightness_(brightness_of(options.theme)),
       scale_(options.scale > 0 ? static_cast<float>(options.scale) : std::clamp(window_.content_scale(), 1.0f, 2.0f)) {
-  bench_.view = view_of(options.view);
+  bench_.view = first_view_;
   Landmarks::all().listening = options.describe.has_value();
+  if (!options.recording.empty()) data_.open(bench_, options.recording);
 }
 
 template <typename Work>
@@ -148,6 +151,9 @@ void App::obey(Command command) {
     case Command::theme:
       brightness_ = brightness_ == Brightness::dark ? Brightness::light : Brightness::dark;
       look_changed_ = true;
+      break;
+    case Command::picture:
+      picture_wanted_ = true;
       break;
     case Command::quit:
       window_.close();
@@ -273,8 +279,18 @@ void App::fault_banner() {
 
 void App::current_view() {
   switch (bench_.view) {
-    default:
-      tune_view(bench_);
+    case View::tune:
+      return tune_view(bench_);
+    case View::arms:
+      return arms_.show(bench_);
+    case View::subject:
+      return subject_view(bench_);
+    case View::data:
+      return data_.show(bench_);
+    case View::traces:
+      return traces_.show(bench_);
+    case View::device:
+      return device_.show(bench_);
   }
 }
 
@@ -293,7 +309,7 @@ void App::status_line() {
   mark("status", text);
   const std::string right =
       fmt::format("{}   margins {:.2f} ms, {} arms {:.0f} ms   {:.0f} frames/s",
-                  bench_.editor.changed() ? "changed" : "", 1e3 * bench_.tuning.nominal_seconds(), bench_.tuning.arms,
+                  bench_.editor.changed() ? "changed" : "", 1e3 * bench_.tuning.nominal_seconds(), TuningJobs::kArms,
                   1e3 * bench_.tuning.population_seconds(), bench_.frames_per_s);
   ImGui::SameLine(ImGui::GetWindowWidth() - ImGui::CalcTextSize(right.c_str()).x - px(10));
   ImGui::PushStyleColor(ImGuiCol_Text, vec(p.muted));
@@ -302,6 +318,18 @@ void App::status_line() {
 }
 
 void App::after_drawing() {
+  if (const auto request = traces_.take_picture_request()) {
+    attempt([&] {
+      io::write_file_atomically(request->path,
+                                png(window_.pixels(request->left, request->top, request->right, request->bottom)));
+    });
+  }
+  if (std::exchange(picture_wanted_, false)) {
+    attempt([&] {
+      io::write_file_atomically("handloop_panel.png", png(window_.pixels()));
+      bench_.say("saved handloop_panel.png");
+    });
+  }
   if (!options_.describe || bench_.now_s - last_described_s_ < 0.1) return;
   last_described_s_ = bench_.now_s;
   auto text = description_of(bench_, Landmarks::all());

@@ -4,12 +4,16 @@
 #include <memory>
 #include <string>
 
-#include "ui/app/file_dialog.h"
 #include "ui/app/panel.h"
 #include "ui/app/shortcuts.h"
 #include "ui/app/window.h"
+#include "ui/views/arms_view.h"
 #include "ui/views/bench.h"
+#include "ui/views/data_view.h"
+#include "ui/views/device_view.h"
 #include "ui/views/scene_view.h"
+#include "ui/views/traces_view.h"
+#include "ui/widgets/file_dialog.h"
 #include "ui/widgets/theme.h"
 
 namespace handloop::ui {
@@ -39,15 +43,20 @@ class App {
   template <typename Work>
   void attempt(Work&& work);
 
-  PanelOptions options_;
+  PanelOptions options_;  ///< checked, with what follows, before there is a window
+  Brightness brightness_;
+  View first_view_;
   Window window_;
   Bench bench_;
   SceneView scene_;
+  ArmsView arms_;
+  DataView data_;
+  TracesView traces_;
+  DeviceView device_;
   FileDialog dialog_;
   std::function<void(const std::filesystem::path&)> when_chosen_;
-  Brightness brightness_;
   float scale_;
-  bool look_changed_ = true;
+  bool look_changed_ = true, picture_wanted_ = false;
   std::string described_;
   double last_described_s_ = -1.0;
 };

@@ -26,6 +26,7 @@ const std::vector<Shortcut>& shortcuts() {
       {Command::view_data, GLFW_KEY_4, GLFW_MOD_CONTROL, "Ctrl+4", "Data", true},
       {Command::view_traces, GLFW_KEY_5, GLFW_MOD_CONTROL, "Ctrl+5", "Traces", true},
       {Command::view_device, GLFW_KEY_6, GLFW_MOD_CONTROL, "Ctrl+6", "Device", true},
+      {Command::picture, GLFW_KEY_F12, 0, "F12", "Save what is shown as handloop_panel.png", true},
       {Command::quit, GLFW_KEY_Q, GLFW_MOD_CONTROL, "Ctrl+Q", "Quit", true},
   };
   return kShortcuts;

@@ -26,6 +26,7 @@ enum class Command {
   view_data,
   view_traces,
   view_device,
+  picture,
   quit
 };
 

@@ -3,6 +3,7 @@
 #include <chrono>
 
 #include "models/errors.h"
+#include "studies/scenario_boundaries.h"
 #include "studies/scenario_loop.h"
 #include "ui/state/gain_map.h"
 
@@ -19,9 +20,10 @@ double seconds_since(Clock::time_point begin) {
 
 void TuningJobs::start(const models::Scenario& scenario) {
   problem_.clear();
+  const auto axis = scenario.wall.axis;
   const auto begin = Clock::now();
   try {
-    if (studies::needs_linear_plant(scenario, scenario.wall.axis)) {
+    if (studies::needs_linear_plant(scenario, axis)) {
       nominal_job_.request(
           [scenario](JobContext&) {
             const auto from = Clock::now();
@@ -36,44 +38,37 @@ void TuningJobs::start(const models::Scenario& scenario) {
     }
   } catch (const InputError& error) {
     problem_ = error.what();
-    nominal_.reset(), robust_.reset(), population_.reset();
+    nominal_.reset(), robust_.reset(), population_.reset(), limits_.reset();
     return;
   }
-  if (scenario.wall.axis != axis_) robust_.reset(), population_.reset();
-  axis_ = scenario.wall.axis;
+  if (axis != axis_) robust_.reset(), population_.reset(), limits_.reset();
+  axis_ = axis;
   // the map keeps its window while it shows the gains: a map that jumps under the mouse is no map
   std::optional<control::GainWindow> window;
   if (robust_ && shows(robust_->window, scenario.loop.stiffness_N_per_m, scenario.loop.damping_Ns_per_m))
     window = robust_->window;
-  robust_job_.request([scenario, window](JobContext&) { return std::optional(studies::tune_robust(scenario, window)); },
-                      false);
-}
-
-void TuningJobs::sample(const models::Scenario& scenario) {
-  if (!scenario.arm.attached || scenario.arm.rigid[static_cast<std::size_t>(axis_)]) {
+  robust_job_.request(
+      [scenario, window, whole = whole_map_](JobContext&) {
+        if (window || !whole) return std::optional(studies::tune_robust(scenario, window));
+        return std::optional(
+            studies::tune_robust(scenario, studies::natural_window(studies::loop_of(scenario, scenario.wall.axis))));
+      },
+      false);
+  if (!scenario.arm.attached || scenario.arm.rigid[static_cast<std::size_t>(axis)]) {
     population_job_.cancel();
     population_.reset();
     return;
   }
-  studies::PopulationRequest request{arms, seed, robust_->window, 0};
   population_job_.request(
-      [scenario, request](JobContext& context) -> std::optional<Timed<studies::PopulationTuning>> {
+      [scenario](JobContext&) {
         const auto from = Clock::now();
-        auto result = studies::tune_population(
-            scenario, request, context.stop_token(), [&context](std::size_t done, std::size_t total) {
-              context.progress(static_cast<double>(done) / static_cast<double>(total));
-            });
-        if (!result) return std::nullopt;
-        return Timed<studies::PopulationTuning>{std::move(*result), seconds_since(from)};
+        auto value = studies::tune_population(scenario, kArms, kSeed);
+        return std::optional(Timed<control::PopulationMargins>{std::move(value), seconds_since(from)});
       },
       false);
 }
 
-void TuningJobs::follow(const models::Scenario& scenario, std::uint64_t revision) {
-  if (revision != revision_) {
-    revision_ = revision;
-    start(scenario);
-  }
+void TuningJobs::take_answers() {
   if (auto answer = nominal_job_.take()) {
     nominal_ = std::move(answer->value);
     nominal_seconds_ = answer->seconds;
@@ -83,13 +78,37 @@ void TuningJobs::follow(const models::Scenario& scenario, std::uint64_t revision
     population_ = std::move(answer->value);
     population_seconds_ = answer->seconds;
   }
+  if (auto answer = limits_job_.take()) limits_ = std::move(*answer);
   for (auto error : {nominal_job_.take_error(), robust_job_.take_error(), population_job_.take_error()}) {
     if (!error.empty()) problem_ = std::move(error);
   }
-  if (robust_ && !robust_job_.busy() && population_revision_ != revision_) {
-    population_revision_ = revision_;
-    sample(scenario);
+}
+
+void TuningJobs::follow(const models::Scenario& scenario, std::uint64_t revision) {
+  if (revision != revision_) {
+    revision_ = revision;
+    start(scenario);
   }
+  take_answers();
+  if (!robust_ || robust_job_.busy() || limits_revision_ == revision_) return;
+  limits_revision_ = revision_;
+  if (!scenario.arm.attached || scenario.arm.rigid[static_cast<std::size_t>(axis_)]) {
+    limits_job_.cancel();
+    limits_.reset();
+    return;
+  }
+  limits_job_.request(
+      [scenario, window = robust_->window](JobContext& context) {
+        return studies::population_limits(scenario, kArms, kSeed, window, context.stop_token());
+      },
+      false);
+}
+
+void TuningJobs::show_whole_map(bool whole) {
+  whole_map_ = whole;
+  robust_.reset();
+  limits_.reset();
+  revision_ = 0;
 }
 
 }  // namespace handloop::ui

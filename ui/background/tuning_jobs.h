@@ -19,20 +19,22 @@ class TuningJobs {
   /// Of the newest scenario, or with effects of the newest that was finished. Empty where it has no answer: `problem`.
   const std::optional<studies::NominalTuning>& nominal() const { return nominal_; }
   const std::optional<studies::RobustTuning>& robust() const { return robust_; }
-  const std::optional<studies::PopulationTuning>& population() const { return population_; }
+  const std::optional<control::PopulationMargins>& population() const { return population_; }
+  const std::optional<studies::PopulationLimits>& limits() const { return limits_; }
   const std::string& problem() const { return problem_; }
-  bool busy() const { return nominal_job_.busy() || robust_job_.busy() || population_job_.busy(); }
-  double population_share() const { return population_job_.share(); }
-  bool sampling() const { return population_job_.busy(); }
-  void cancel_sampling() { population_job_.cancel(); }
-  /// How long the last answers took, s: the nominal loop, and the sampled arms with map cloud.
+  bool busy() const {
+    return nominal_job_.busy() || robust_job_.busy() || population_job_.busy() || limits_job_.busy();
+  }
+  /// How long the last answers took, s: the nominal loop, and the margins of the sampled arms.
   double nominal_seconds() const { return nominal_seconds_; }
   double population_seconds() const { return population_seconds_; }
 
-  std::size_t arms = 2000;
-  std::uint64_t seed = 1;
-  /// Asks for the population anew (other seed or number).
-  void resample() { population_revision_ = 0; }
+  /// The K-B map: what is about the gains, or the whole region of stability.
+  bool whole_map() const { return whole_map_; }
+  void show_whole_map(bool whole);
+
+  static constexpr std::size_t kArms = 2000;
+  static constexpr std::uint64_t kSeed = 1;
 
  private:
   template <typename T>
@@ -41,16 +43,19 @@ class TuningJobs {
     double seconds = 0.0;
   };
   void start(const models::Scenario& scenario);
-  void sample(const models::Scenario& scenario);
+  void take_answers();
 
   LatestJob<Timed<studies::NominalTuning>> nominal_job_;
   LatestJob<studies::RobustTuning> robust_job_;
-  LatestJob<Timed<studies::PopulationTuning>> population_job_;
+  LatestJob<Timed<control::PopulationMargins>> population_job_;
+  LatestJob<studies::PopulationLimits> limits_job_;
   std::optional<studies::NominalTuning> nominal_;
   std::optional<studies::RobustTuning> robust_;
-  std::optional<studies::PopulationTuning> population_;
+  std::optional<control::PopulationMargins> population_;
+  std::optional<studies::PopulationLimits> limits_;
   std::string problem_;
-  std::uint64_t revision_ = 0, population_revision_ = 0;
+  std::uint64_t revision_ = 0, limits_revision_ = 0;
+  bool whole_map_ = false;
   models::Axis axis_ = models::Axis::z;
   double nominal_seconds_ = 0.0, population_seconds_ = 0.0;
 };

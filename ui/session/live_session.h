@@ -71,7 +71,7 @@ class LiveSession {
   const device::StepRecord& last() const { return last_; }
   bool has_record() const { return has_record_; }
   const Eigen::Vector3d& home_tip_m() const { return home_tip_m_; }
-  TraceStore& traces() { return traces_; }
+  const TraceStore& traces() const { return traces_; }
   /// From 2 s before a fault to a fifth of a second after it, oldest first.
   const std::vector<device::StepRecord>& evidence() const { return evidence_; }
   /// Throws InputError.

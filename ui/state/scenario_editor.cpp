@@ -101,6 +101,36 @@ void ScenarioEditor::remove_effect(std::size_t number) {
   seal();
 }
 
+void ScenarioEditor::apply_effects(const std::vector<models::EffectPtr>& effects) {
+  edit("apply what was found", [&](models::Scenario& s) {
+    for (const auto& effect : effects) {
+      std::erase_if(s.arm.effects, [&](const auto& entry) {
+        return entry.first == s.wall.axis && entry.second->info().name == effect->info().name &&
+               entry.second->place() == effect->place();
+      });
+      s.arm.effects.emplace_back(s.wall.axis, effect);
+    }
+  });
+  seal();
+}
+
+void ScenarioEditor::apply_model(const models::AxisModel& model) {
+  if (model.rotary) throw InputError("this model is of angles and torques; it cannot hold the stylus");
+  edit("apply the found model", [&](models::Scenario& s) {
+    s.arm.attached = true;
+    auto& rigid = s.arm.rigid[index(s.wall.axis)];
+    rigid.reset();
+    if (model.base == models::BaseModel::msd) {
+      rigid = model.msd;
+    } else {
+      s.arm.axes[index(s.wall.axis)] = model.arm;
+    }
+    std::erase_if(s.arm.effects, [&](const auto& entry) { return entry.first == s.wall.axis; });
+    for (const auto& effect : model.effects) s.arm.effects.emplace_back(s.wall.axis, effect);
+  });
+  seal();
+}
+
 std::string ScenarioEditor::arm_source() const {
   if (!scenario().arm.attached) return "nobody holds the device";
   if (scenario().arm.rigid[index(axis())]) return "a hand that is one with the stylus";

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "models/arm_tables.h"
 #include "models/scenario.h"
@@ -42,6 +43,10 @@ class ScenarioEditor {
   void draw_subject(std::uint64_t seed, std::uint64_t index);
   void add_effect(models::EffectPtr effect, models::Axis axis);
   void remove_effect(std::size_t index);
+  /// Found effects beside whatever stands on the wall's axis; one of the same name and place there is replaced.
+  void apply_effects(const std::vector<models::EffectPtr>& effects);
+  /// A whole model in the place of the arm and the effects on the wall's axis. Throws InputError for a rotary one.
+  void apply_model(const models::AxisModel& model);
   /// Whose arm is on the wall's axis, in words: "Table II, nominal".
   std::string arm_source() const;
 

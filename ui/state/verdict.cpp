@@ -28,7 +28,7 @@ std::string percent(double share) {
 
 }  // namespace
 
-Verdict verdict_of(const studies::NominalTuning& nominal, const std::optional<studies::PopulationTuning>& population) {
+Verdict verdict_of(const studies::NominalTuning& nominal, const std::optional<control::PopulationMargins>& population) {
   Verdict verdict;
   const auto& m = nominal.margins;
   const std::string whose = nominal.with_effects ? "this arm with its effects" : "this arm";
@@ -43,7 +43,7 @@ Verdict verdict_of(const studies::NominalTuning& nominal, const std::optional<st
                                           : fmt::format("with {}; {:.3g} times the gains would not be", whose, harder);
   }
   if (!population) return verdict;
-  const auto& share = population->margins.stable;
+  const auto& share = population->stable;
   verdict.sentence += fmt::format(". {} % of {} sampled arms are stable", percent(share.estimate), share.trials);
   if (m.stable) verdict.outlook = share.estimate >= kEnough ? Outlook::stable : Outlook::doubtful;
   return verdict;
@@ -51,7 +51,7 @@ Verdict verdict_of(const studies::NominalTuning& nominal, const std::optional<st
 
 std::vector<Figure> figures_of(const studies::NominalTuning& nominal,
                                const std::optional<studies::RobustTuning>& robust,
-                               const std::optional<studies::PopulationTuning>& population) {
+                               const std::optional<control::PopulationMargins>& population) {
   const auto& m = nominal.margins;
   const std::string none = "none", pending = "...";
   std::vector<Figure> figures;
@@ -79,20 +79,22 @@ std::vector<Figure> figures_of(const studies::NominalTuning& nominal,
   const bool has_arm = nominal.loop.plant.arm.has_value();
   if (!has_arm) {
     figures.push_back({"Robust peak", "no arm", "|W_u T| is defined for the five-parameter arm", std::nullopt});
+  } else if (!m.stable) {
+    figures.push_back({"Robust peak", none, "an unstable loop is not robust", false});
   } else if (!robust || !robust->peak67) {
     figures.push_back({"Robust peak", pending, "being computed", std::nullopt});
   } else {
     figures.push_back({"Robust peak", fmt::format("{:.3g}", robust->peak67->peak),
                        fmt::format("|W_u T| of the 67 % arms at {:.3g} Hz, robust below 1; {:.3g} for all arms",
                                    robust->peak67->frequency_Hz, robust->peak_maximum->peak),
-                       m.stable && robust->peak67->peak < 1});
+                       robust->peak67->peak < 1});
   }
   if (!has_arm) {
     figures.push_back({"Arms stable", "no arm", "", std::nullopt});
   } else if (!population) {
     figures.push_back({"Arms stable", pending, "being sampled", std::nullopt});
   } else {
-    const auto& s = population->margins.stable;
+    const auto& s = population->stable;
     figures.push_back({"Arms stable", percent(s.estimate) + " %",
                        fmt::format("95 % interval {} to {} %, {} arms{}", percent(s.low95), percent(s.high95), s.trials,
                                    nominal.with_effects ? ", effects left out" : ""),

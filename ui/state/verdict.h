@@ -20,7 +20,7 @@ struct Verdict {
   std::string word;      ///< "STABLE" or "UNSTABLE": comes first
   std::string sentence;  ///< why, and for whom
 };
-Verdict verdict_of(const studies::NominalTuning& nominal, const std::optional<studies::PopulationTuning>& population);
+Verdict verdict_of(const studies::NominalTuning& nominal, const std::optional<control::PopulationMargins>& population);
 
 /// One figure with its name, as a table shows it. `good` colours it: empty where that is no question.
 struct Figure {
@@ -31,6 +31,6 @@ struct Figure {
 /// named.
 std::vector<Figure> figures_of(const studies::NominalTuning& nominal,
                                const std::optional<studies::RobustTuning>& robust,
-                               const std::optional<studies::PopulationTuning>& population);
+                               const std::optional<control::PopulationMargins>& population);
 
 }  // namespace handloop::ui

@@ -36,7 +36,7 @@ void wall(Bench& bench) {
       bench, "cutoff", "Filter", [](Scenario& s) -> double& { return s.loop.cutoff_Hz; }, 1, 1, 2000, "%.0f Hz", true,
       "Cut-off of the velocity filter");
   int delay = bench.editor.scenario().loop.delay_samples;
-  const auto edited = whole_slider("delay", "Delay", delay, 0, 8, "%d samples", "Between reading and acting");
+  const auto edited = whole_slider("delay", "Delay", delay, 0, 8, "%d sample(s)", "Between reading and acting");
   if (edited.changed) bench.editor.edit("Delay", [&](Scenario& s) { s.loop.delay_samples = delay; });
   if (edited.finished) bench.editor.seal();
   slider(

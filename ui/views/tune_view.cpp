@@ -10,6 +10,7 @@
 
 #include "ui/state/gain_map.h"
 #include "ui/views/verdict_card.h"
+#include "ui/widgets/fields.h"
 #include "ui/widgets/look.h"
 #include "ui/widgets/plot.h"
 
@@ -166,6 +167,16 @@ void gain_map(Bench& bench, ImVec2 size) {
   const auto& window = robust->window;
   const auto& loop = bench.editor.scenario().loop;
   const auto& p = palette();
+  // given first, so that it and not the plot below it gets the mouse
+  const ImVec2 corner = ImGui::GetCursorPos();
+  ImGui::SetCursorPos({corner.x + px(200), corner.y});
+  const bool whole = bench.tuning.whole_map();
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2{px(6), 0});
+  const bool other = push_button("whole_map", whole ? "Near" : "Whole");
+  ImGui::PopStyleVar();
+  if (other) return bench.tuning.show_whole_map(!whole);
+  hint(whole ? "What is about the gains" : "The whole region of stability");
+  ImGui::SetCursorPos(corner);
   Plot plot({.id = "gain_map",
              .title = "Gains: click to set",
              .x_label = "stiffness K, N/m",
@@ -173,12 +184,11 @@ void gain_map(Bench& bench, ImVec2 size) {
              .x = {window.stiffness_low, window.stiffness_high},
              .y = {window.damping_low, window.damping_high},
              .size = size});
-  if (const auto& population = bench.tuning.population()) {
-    for (const auto& point : population->cloud)
+  if (const auto& limits = bench.tuning.limits()) {
+    for (const auto& point : limits->cloud)
       plot.mark(point.stiffness_N_per_m, point.damping_Ns_per_m, p.series[3].faded(0.55f), Plot::Mark::dot, 1.2f);
     std::vector<double> K, B;
-    for (const auto& point : population->line95)
-      K.push_back(point.stiffness_N_per_m), B.push_back(point.damping_Ns_per_m);
+    for (const auto& point : limits->line95) K.push_back(point.stiffness_N_per_m), B.push_back(point.damping_Ns_per_m);
     plot.dashed(K, B, p.series[2], 2.0f);
   }
   for (const auto& piece : robust->boundary) {

@@ -64,6 +64,17 @@ bool text_field(const char* id, std::string& text) {
 
 void hint(const char* text) {
   if (!ImGui::IsItemHovered()) return;
+  // not before the mouse has rested: a tip that jumps up hides what is being aimed at
+  constexpr double kRest_s = 0.6;
+  static ImVec2 last{-1, -1};
+  static double since_s = 0.0;
+  const ImVec2 item = ImGui::GetItemRectMin();
+  const auto& moved = ImGui::GetIO().MouseDelta;
+  if (item.x != last.x || item.y != last.y || moved.x != 0 || moved.y != 0 || ImGui::IsAnyMouseDown()) {
+    last = item;
+    since_s = ImGui::GetTime();
+  }
+  if (ImGui::GetTime() - since_s < kRest_s) return;
   ImGui::BeginTooltip();
   ImGui::PushTextWrapPos(px(320));
   ImGui::TextUnformatted(text);

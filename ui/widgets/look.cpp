@@ -53,8 +53,8 @@ void set_colours(const Palette& p) {
   set(ImGuiCol_Header, p.raised);
   set(ImGuiCol_HeaderHovered, p.line);
   set(ImGuiCol_HeaderActive, p.accent.faded(0.4f));
-  set(ImGuiCol_SliderGrab, p.accent);
-  set(ImGuiCol_SliderGrabActive, p.accent);
+  set(ImGuiCol_SliderGrab, p.accent.faded(0.55f));
+  set(ImGuiCol_SliderGrabActive, p.accent.faded(0.75f));
   set(ImGuiCol_CheckMark, p.accent);
   set(ImGuiCol_NavHighlight, p.accent);
   set(ImGuiCol_PlotHistogram, p.accent);

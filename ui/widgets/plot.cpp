@@ -38,6 +38,7 @@ Plot::Plot(Spec spec) : spec_(std::move(spec)), draw_(ImGui::GetWindowDrawList()
     const double middle = 0.5 * (spec_.y.low + spec_.y.high);
     spec_.y = {middle - half, middle + half};
   }
+  Landmarks::all().add("frame." + spec_.id, low_, high_);
   frame();
   draw_->PushClipRect(low_, high_, true);
 }

@@ -1,4 +1,4 @@
-#include "ui/app/file_dialog.h"
+#include "ui/widgets/file_dialog.h"
 
 #include <imgui.h>
 
