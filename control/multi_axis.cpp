@@ -7,13 +7,13 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <unsupported/Eigen/MatrixFunctions>
 #include <vector>
 
 #include "control/loop_function.h"
 #include "control/scan.h"
 #include "control/structured_singular_value.h"
 #include "models/errors.h"
+#include "models/matrix_exponential.h"
 
 namespace handloop::control {
 namespace {
@@ -55,7 +55,7 @@ Sampled sample(const MultiAxisPlant& plant, double T) {
   MatrixXd push = MatrixXd::Zero(n, 3);
   push.topRows(3).setIdentity();
   A.block(n, 2 * n, n, 3) = T * T * inertia.solve(push);
-  const MatrixXd e = A.exp();
+  const MatrixXd e = models::matrix_exponential(A);
   Sampled s;
   s.phi = e.topLeftCorner(2 * n, 2 * n);
   s.gamma = e.topRightCorner(2 * n, 3);

@@ -2,12 +2,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <unsupported/Eigen/MatrixFunctions>
 
 #include "control/linear_plant.h"
 #include "control/loop_function.h"
 #include "control/margin_collector.h"
 #include "control/scan.h"
+#include "models/matrix_exponential.h"
 
 namespace handloop::control {
 namespace {
@@ -22,7 +22,7 @@ std::pair<MatrixXd, VectorXd> hold(const MatrixXd& A, const VectorXd& B, double 
   MatrixXd both = MatrixXd::Zero(n + 1, n + 1);
   both.topLeftCorner(n, n) = A * t;
   both.topRightCorner(n, 1) = B * t;
-  const MatrixXd e = both.exp();
+  const MatrixXd e = models::matrix_exponential(both);
   return {e.topLeftCorner(n, n), e.topRightCorner(n, 1)};
 }
 

@@ -3,7 +3,8 @@
 #include <array>
 #include <cmath>
 #include <stdexcept>
-#include <unsupported/Eigen/MatrixFunctions>
+
+#include "models/matrix_exponential.h"
 
 namespace handloop::sim {
 namespace {
@@ -16,7 +17,7 @@ std::array<Matrix2d, 4> phi_functions(const Matrix2d& a) {
   Eigen::Matrix<double, 8, 8> augmented = Eigen::Matrix<double, 8, 8>::Zero();
   augmented.topLeftCorner<2, 2>() = a;
   for (int block = 0; block < 3; ++block) augmented.block<2, 2>(2 * block, 2 * block + 2).setIdentity();
-  const Eigen::Matrix<double, 8, 8> exponential = augmented.exp();
+  const Eigen::Matrix<double, 8, 8> exponential = models::matrix_exponential(augmented);
   std::array<Matrix2d, 4> phi;
   for (int i = 0; i < 4; ++i) phi[i] = exponential.block<2, 2>(0, 2 * i);
   return phi;

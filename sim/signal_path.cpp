@@ -1,9 +1,9 @@
 #include "sim/signal_path.h"
 
 #include <string>
-#include <unsupported/Eigen/MatrixFunctions>
 
 #include "models/errors.h"
+#include "models/matrix_exponential.h"
 
 namespace handloop::sim {
 namespace {
@@ -42,7 +42,7 @@ SignalPath::SignalPath(const std::vector<models::EffectPtr>& effects, models::Pl
     }
     if (order > 0) augmented(0, order) = step_s;
     augmented(order, order + 1) = 1.0;
-    const Eigen::MatrixXd exponential = augmented.exp();
+    const Eigen::MatrixXd exponential = models::matrix_exponential(augmented);
     section.transition = exponential.topLeftCorner(order, order);
     section.to_gain = exponential.topRightCorner(order, 1);
     section.from_gain = exponential.block(0, order, order, 1) - section.to_gain;

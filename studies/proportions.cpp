@@ -2,18 +2,10 @@
 
 #include <algorithm>
 #include <boost/math/distributions/binomial.hpp>
-#include <boost/math/special_functions/beta.hpp>
 #include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
 
 namespace handloop::studies {
-
-ProportionInterval clopper_pearson(std::uint64_t successes, std::uint64_t trials, double confidence) {
-  if (trials == 0) return {};
-  const double k = static_cast<double>(successes), n = static_cast<double>(trials), tail = (1 - confidence) / 2;
-  return {successes == 0 ? 0.0 : boost::math::ibeta_inv(k, n - k + 1, tail),
-          successes == trials ? 1.0 : boost::math::ibetac_inv(k + 1, n - k, tail)};
-}
 
 double mcnemar_p_value(std::uint64_t lost, std::uint64_t won) {
   const std::uint64_t n = lost + won;

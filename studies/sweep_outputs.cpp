@@ -6,8 +6,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "control/population_margins.h"
 #include "io/report.h"
-#include "studies/proportions.h"
 #include "studies/sweep_requirements.h"
 
 namespace handloop::studies {
@@ -25,7 +25,7 @@ Json number(double value) {
 Json point_json(const SweepContents& c, std::size_t p) {
   const SweepCondition& condition = c.conditions[c.points[p].condition];
   const PointStatistics& cell = c.cells[p];
-  const ProportionInterval interval = clopper_pearson(cell.stable, cell.arms);
+  const control::Share interval = control::clopper_pearson(cell.stable, cell.arms);
   Json json{{"axis", models::axis_name(condition.axis)},
             {"delay_samples", condition.delay_samples},
             {"device", condition.device},
@@ -34,8 +34,8 @@ Json point_json(const SweepContents& c, std::size_t p) {
             {"arms", cell.arms},
             {"stable", cell.stable},
             {"p_stable", cell.p_stable()},
-            {"p_stable_lo95", interval.low},
-            {"p_stable_hi95", interval.high}};
+            {"p_stable_lo95", interval.low95},
+            {"p_stable_hi95", interval.high95}};
   if (c.settings.method == SweepMethod::margins)
     for (std::size_t m = 0; m < kSweepMargins.size(); ++m)
       for (std::size_t q = 0; q < kSweepQuantiles.size(); ++q)
@@ -226,7 +226,7 @@ std::string sweep_report_html(const SweepContents& c) {
   for (const PointStatistics& cell : c.cells) {
     evaluations += cell.arms;
     stable += cell.stable;
-    safe_points += clopper_pearson(cell.stable, cell.arms).low >= 0.95;
+    safe_points += control::clopper_pearson(cell.stable, cell.arms).low95 >= 0.95;
   }
   report.section("Result");
   std::size_t failed = 0;
@@ -288,11 +288,11 @@ std::string sweep_report_html(const SweepContents& c) {
       if (c.points[p].condition != condition) continue;
       if (++listed > 400) break;
       const PointStatistics& cell = c.cells[p];
-      const ProportionInterval interval = clopper_pearson(cell.stable, cell.arms);
+      const control::Share interval = control::clopper_pearson(cell.stable, cell.arms);
       std::vector<std::string> row{io::pretty(c.points[p].stiffness_N_per_m), io::pretty(c.points[p].damping_Ns_per_m),
                                    fmt::format("{} of {}", cell.stable, cell.arms),
                                    fmt::format("{:.4f}", cell.p_stable()),
-                                   fmt::format("{:.4f} to {:.4f}", interval.low, interval.high)};
+                                   fmt::format("{:.4f} to {:.4f}", interval.low95, interval.high95)};
       if (s.method == SweepMethod::margins)
         for (const double value :
              {cell.margins[0].p05, cell.margins[1].p05, 1e3 * cell.margins[2].p05, cell.margins[4].p05})

@@ -5,9 +5,9 @@
 #include <charconv>
 #include <cmath>
 
+#include "control/population_margins.h"
 #include "models/errors.h"
 #include "models/suggest.h"
-#include "studies/proportions.h"
 
 namespace handloop::studies {
 namespace {
@@ -85,8 +85,8 @@ Requirement parse_requirement(const std::string& expression) {
 
 double quantity_of(const PointStatistics& cell, const std::string& quantity) {
   if (quantity == "p_stable") return cell.p_stable();
-  if (quantity == "p_stable_lo95") return clopper_pearson(cell.stable, cell.arms).low;
-  if (quantity == "p_stable_hi95") return clopper_pearson(cell.stable, cell.arms).high;
+  if (quantity == "p_stable_lo95") return control::clopper_pearson(cell.stable, cell.arms).low95;
+  if (quantity == "p_stable_hi95") return control::clopper_pearson(cell.stable, cell.arms).high95;
   if (quantity == "rho_p95") return cell.rho_p95;
   for (std::size_t m = 0; m < kSweepMargins.size(); ++m)
     for (std::size_t q = 0; q < kSweepQuantiles.size(); ++q)

@@ -144,20 +144,29 @@ void read_encoders(Table table, ComediConfig::Encoders& e) {
   table.require(e.filter >= 0 && e.filter <= 6, "filter", "0 (off) to 6");
 }
 
+/// What a subdevice of converters needs, inputs or outputs.
+void read_converters(Table& table, auto& part) {
+  table.get("board", part.board);
+  table.get("subdevice", part.subdevice);
+  table.get("channels", part.channels);
+  table.get("range_V", part.range_V);
+}
+
+void require_possible(Table& table, const auto& part) {
+  table.require(part.subdevice >= 0, "subdevice", "0 or more");
+  table.require(part.range_V > 0, "range_V", "positive");
+}
+
 void read_motors(Table table, ComediConfig::Motors& m) {
-  table.get("board", m.board);
-  table.get("subdevice", m.subdevice);
-  table.get("channels", m.channels);
-  table.get("range_V", m.range_V);
+  read_converters(table, m);
   table.get("signs", m.signs);
   table.get("amplifier_A_per_V", m.amplifier_A_per_V);
   table.get("current_limit_A", m.current_limit_A);
   table.get("torque_Nm_per_A", m.torque_Nm_per_A);
   table.get("transmission_ratio", m.transmission_ratio);
   table.refuse_unknown();
-  table.require(m.subdevice >= 0, "subdevice", "0 or more");
+  require_possible(table, m);
   table.require(m.channels.size() == kMaxMotors && different(m.channels), "channels", "three different channels");
-  table.require(m.range_V > 0, "range_V", "positive");
   table.require(signs(m.signs), "signs", "1 or -1 each");
   table.require(m.amplifier_A_per_V > 0, "amplifier_A_per_V", "positive");
   table.require(m.current_limit_A > 0, "current_limit_A", "positive");
@@ -167,19 +176,15 @@ void read_motors(Table table, ComediConfig::Motors& m) {
 
 void read_force(Table table, ComediConfig::Force& f) {
   table.get("present", f.present);
-  table.get("board", f.board);
-  table.get("subdevice", f.subdevice);
-  table.get("channels", f.channels);
-  table.get("range_V", f.range_V);
+  read_converters(table, f);
   table.get("differential", f.differential);
   table.get("N_per_V", f.N_per_V);
   table.get("gauge_N_per_V", f.gauge_N_per_V);
   table.refuse_unknown();
   if (!f.present) return;
-  table.require(f.subdevice >= 0, "subdevice", "0 or more");
+  require_possible(table, f);
   table.require(different(f.channels) && f.channels.size() >= 3 && f.channels.size() <= kMaxAnalogInputs, "channels",
                 "three to eight different channels");
-  table.require(f.range_V > 0, "range_V", "positive");
   table.require(f.N_per_V.size() == f.channels.size(), "N_per_V", "a list as long as channels");
   if (f.gauge_N_per_V.empty()) return;
   table.require(f.gauge_N_per_V.size() == 3, "gauge_N_per_V", "three rows: force x, y, z");

@@ -1,7 +1,8 @@
 #include "identify/explain/discretise.h"
 
 #include <cmath>
-#include <unsupported/Eigen/MatrixFunctions>
+
+#include "models/matrix_exponential.h"
 
 namespace handloop::identify {
 
@@ -11,7 +12,7 @@ LinearStep discretise(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, double
   augmented.topLeftCorner(n, n) = a * h_s;
   augmented.block(0, n, n, m) = b * h_s;
   augmented.block(n, n + m, m, m).setIdentity();
-  const Eigen::MatrixXd exponential = augmented.exp();
+  const Eigen::MatrixXd exponential = models::matrix_exponential(augmented);
   const Eigen::MatrixXd constant = exponential.block(0, n, n, m), ramp = exponential.block(0, n + m, n, m);
   return {exponential.topLeftCorner(n, n), constant - ramp, ramp};
 }

@@ -85,6 +85,26 @@ TEST(Passivity, AbsolutelyStableWallsAreStableInEveryPassiveHand) {
   }
 }
 
+TEST(ClopperPearson, MeetsPublishedIntervals) {
+  // Newcombe (1998), Statistics in Medicine 17:857, Table I: 81/263, 15/148, 0/20, 1/29
+  const struct {
+    std::uint64_t k, n;
+    double low, high;
+  } cases[] = {{81, 263, 0.2527, 0.3676}, {15, 148, 0.0578, 0.1617}, {0, 20, 0.0, 0.1684}, {1, 29, 0.0009, 0.1776}};
+  for (const auto& c : cases) {
+    const Share interval = clopper_pearson(c.k, c.n);
+    EXPECT_NEAR(interval.low95, c.low, 6e-5);  // printed to four digits
+    EXPECT_NEAR(interval.high95, c.high, 6e-5);
+  }
+}
+
+TEST(ClopperPearson, NeverLeavesZeroToOneAndClosesInAsTrialsGrow) {
+  EXPECT_EQ(clopper_pearson(0, 5).low95, 0);
+  EXPECT_EQ(clopper_pearson(5, 5).high95, 1);
+  const Share few = clopper_pearson(95, 100), many = clopper_pearson(9500, 10000);
+  EXPECT_LT(many.high95 - many.low95, 0.2 * (few.high95 - few.low95));
+}
+
 TEST(Population, ClopperPearsonIsThePublishedInterval) {
   // Clopper and Pearson's own chart and any table of exact limits: 0 of 10 -> 0 to 0.3085, 5 of 10 -> 0.1871 to 0.8129
   EXPECT_NEAR(clopper_pearson(0, 10).high95, 0.3085, 5e-5);
