@@ -52,7 +52,7 @@ std::string help_of(const CLI::App& app) {
 /// The parser's own words where they are good, better ones where they are not.
 std::string reworded(const CLI::ParseError& error) {
   static const std::regex missing(R"((--?[\w-]+): (\d+) required .* missing)");
-  static const std::regex range(R"((.+): Value (.*) not in range (\S+) to (\S+))");
+  static const std::regex range(R"((.+): Value (.*) not in range \[?(\S+) (?:to|-) ([^\s\]]+)\]?)");  // 2.1 and 2.4
   static const std::regex conversion(R"(Could not convert: (.+) = (.*))");
   const std::string text = error.what();
   std::smatch found;
