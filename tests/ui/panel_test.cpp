@@ -1,11 +1,17 @@
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <future>
+#include <memory>
+#include <thread>
 
 #include "io/recording_file.h"
 #include "io/scenario_file.h"
+#include "studies/plant_service.h"
 #include "tests/support/planted_recording.h"
 #include "tests/support/program.h"
 #include "tests/ui/desktop.h"
@@ -100,6 +106,46 @@ TEST_F(Panel, SavesTheScenarioThatTheCommandLineReads) {
   }
   EXPECT_EQ(io::read_scenario(path).loop.stiffness_N_per_m, 640);
   std::filesystem::remove(path);
+}
+
+TEST_F(Panel, ArmsADeviceAcrossTheNetworkByTwoActionsOnly) {
+  std::atomic<bool> stop{false};
+  std::promise<std::string> ready;
+  std::jthread plant([&] {
+    studies::PlantServiceOptions options;
+    options.scenario = io::default_scenario();
+    options.listen = "127.0.0.1:0";
+    options.stop = &stop;
+    options.on_ready = [&](const std::string& address, bool) { ready.set_value(address); };
+    studies::serve_plant(options);
+  });
+  // whatever happens below, the plant is told to end before its thread is waited for
+  const std::shared_ptr<void> ending(nullptr, [&stop](void*) { stop = true; });
+  {
+    Desktop desk({"--view", "device"});
+    desk.click("button.device_udp");
+    desk.click("control.device_address");
+    desk.keys("ctrl+a");
+    desk.type(ready.get_future().get());
+    desk.click("button.use_device");
+    ASSERT_TRUE(desk.until([](const auto& s) { return s["device"] != "sim" && s["running"] == false; }));
+    const auto hold = [&] {
+      desk.move_to("button.arm", 0.3);
+      desk.press(true);
+      std::this_thread::sleep_for(std::chrono::milliseconds(2500));
+      desk.press(false);
+    };
+    hold();  // the cover is shut: nothing may happen
+    EXPECT_EQ(desk.shown()["armed"], false);
+    EXPECT_EQ(desk.shown()["running"], false);
+    desk.click("control.cover", 0.02);
+    hold();
+    ASSERT_TRUE(desk.until([](const auto& s) { return s["armed"] == true && s["running"] == true; }))
+        << desk.shown().dump(1);
+    desk.picture("9_armed");
+    desk.keys("Escape");
+    EXPECT_TRUE(desk.until([](const auto& s) { return is(s, "fault", "external"); }));
+  }
 }
 
 TEST_F(Panel, ExplainsARecordingAndAppliesWhatItFound) {

@@ -157,8 +157,8 @@ TEST(Verdict, FlipsWhereTheLoopBecomesUnstable) {
 TEST(Verdict, NamesNoMarginOfAnUnstableLoop) {
   const auto scenario = io::default_scenario();
   for (const auto& figure : figures_of(tuned(20000), studies::tune_robust(scenario), {})) {
-    const bool margin =
-        figure.name == "Gain" || figure.name == "Phase" || figure.name == "Delay" || figure.name == "Disk margin" || figure.name == "Robust peak";
+    const bool margin = figure.name == "Gain" || figure.name == "Phase" || figure.name == "Delay" ||
+                        figure.name == "Disk margin" || figure.name == "Robust peak";
     EXPECT_EQ(margin, figure.value == "none") << figure.name;
   }
 }

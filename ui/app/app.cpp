@@ -76,7 +76,8 @@ void App::run() {
     frame();
     if (options_.screenshot && ++drawn >= options_.frames) {
       io::write_file_atomically(*options_.screenshot, png(window_.pixels()));
-      fmt::print("{} frames, {:.1f} a second\n", drawn, drawn / (seconds_now() - begin));
+      fmt::print("{} frames, {:.1f} a second; at most {:.1f} ms before a frame is drawn\n", drawn,
+                 drawn / (seconds_now() - begin), 1e3 * longest_layout_s_);
       return;
     }
     window_.show_frame();
@@ -98,6 +99,7 @@ void App::frame() {
   bench_.tuning.follow(editor.scenario(), editor.revision());
   bench_.session.follow(editor.scenario(), editor.revision());
   layout();
+  longest_layout_s_ = ++frames_ > 5 ? std::max(longest_layout_s_, seconds_now() - now) : 0.0;
   const auto& background = palette().window;
   window_.end_frame([this](int height, float ratio) { scene_.render(bench_, height, ratio); }, background.r,
                     background.g, background.b);
@@ -212,31 +214,45 @@ void App::layout() {
   ImGui::End();
 }
 
-void App::top_bar() {
-  auto& editor = bench_.editor;
-  for (const auto& [view, name] : kViews) {
-    if (push_button(std::string("view_") + kViewNames[static_cast<std::size_t>(view)], name, bench_.view == view,
-                    px(72)))
-      bench_.view = view;
-    ImGui::SameLine(0, px(3));
-  }
-  ImGui::SameLine(0, px(18));
+void App::bar_commands(bool beside) {
+  const auto& history = bench_.editor.history();
   const auto button = [&](const char* name, const char* label, Command command, bool enabled, const std::string& tip) {
     ImGui::BeginDisabled(!enabled);
-    if (push_button(name, label)) obey(command);
+    if (push_button(name, label, false, beside ? 0.0f : px(110))) obey(command);
     ImGui::EndDisabled();
     hint(tip.c_str());
-    ImGui::SameLine(0, px(3));
+    if (beside) ImGui::SameLine(0, px(3));
   };
   button("open", "Open", Command::open, true, "A scenario (Ctrl+O)");
   button("save", "Save", Command::save, true, "As a scenario that the command line reads (Ctrl+S)");
   button("save_as", "Save as", Command::save_as, true, "Under another name (Ctrl+Shift+S)");
-  const auto& history = editor.history();
   button("undo", "Undo", Command::undo, history.can_undo(), "Ctrl+Z: " + history.undo_name());
   button("redo", "Redo", Command::redo, history.can_redo(), "Ctrl+Y");
   button("theme", brightness_ == Brightness::dark ? "Light" : "Dark", Command::theme, true, "Ctrl+T");
   button("smaller", "A-", Command::smaller, scale_ > 1.0f, "Smaller (Ctrl+-)");
   button("larger", "A+", Command::larger, scale_ < 2.0f, "Larger, to 200 % (Ctrl+=)");
+}
+
+void App::top_bar() {
+  const auto& display = ImGui::GetIO().DisplaySize;
+  const bool narrow = display.x < px(1100);
+  for (const auto& [view, name] : kViews) {
+    const auto index = static_cast<std::size_t>(view);
+    if (push_button(std::string("view_") + kViewNames[index], name, bench_.view == view, narrow ? 0.0f : px(72)))
+      bench_.view = view;
+    ImGui::SameLine(0, px(3));
+  }
+  if (narrow) {
+    if (push_button("menu", "Menu")) ImGui::OpenPopup("menu");
+    if (ImGui::BeginPopup("menu")) {
+      bar_commands(false);
+      ImGui::EndPopup();
+    }
+    ImGui::SameLine(0, px(3));
+  } else {
+    ImGui::SameLine(0, px(18));
+    bar_commands(true);
+  }
   // what must be reachable always sits at the edge, in a colour that nothing else has
   ImGui::SameLine(ImGui::GetWindowWidth() - px(138) - ImGui::GetStyle().WindowPadding.x);
   ImGui::PushStyleColor(ImGuiCol_Button, vec(palette().stop));

@@ -31,6 +31,8 @@ class App {
   void obey(Command command);
   void layout();
   void top_bar();
+  /// The commands as buttons, in a line or one below the other.
+  void bar_commands(bool beside);
   void fault_banner();
   void status_line();
   void current_view();
@@ -59,6 +61,8 @@ class App {
   bool look_changed_ = true, picture_wanted_ = false;
   std::string described_;
   double last_described_s_ = -1.0;
+  std::uint64_t frames_ = 0;
+  double longest_layout_s_ = 0.0;  ///< of all a frame does but draw
 };
 
 }  // namespace handloop::ui

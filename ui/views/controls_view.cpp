@@ -109,12 +109,13 @@ void controls_view(Bench& bench) {
   auto& editor = bench.editor;
   ImGui::AlignTextToFramePadding();
   ImGui::TextUnformatted("Axis");
-  constexpr std::array kLabels{"x left-right", "y up-down", "z fore-aft"};
+  const bool narrow = ImGui::GetContentRegionAvail().x < px(300);
+  const auto labels = narrow ? std::array{"x", "y", "z"} : std::array{"x left-right", "y up-down", "z fore-aft"};
   constexpr std::array kNames{"axis_x", "axis_y", "axis_z"};
   for (const auto axis : models::kAxes) {
     const auto i = static_cast<std::size_t>(axis);
     ImGui::SameLine(0, px(6));
-    if (push_button(kNames[i], kLabels[i], editor.axis() == axis)) editor.set_axis(axis);
+    if (push_button(kNames[i], labels[i], editor.axis() == axis)) editor.set_axis(axis);
   }
   const auto section = [&](const char* title, bool open, auto&& content) {
     ImGui::SetNextItemOpen(open, ImGuiCond_Once);

@@ -169,7 +169,7 @@ void gain_map(Bench& bench, ImVec2 size) {
   const auto& p = palette();
   // given first, so that it and not the plot below it gets the mouse
   const ImVec2 corner = ImGui::GetCursorPos();
-  ImGui::SetCursorPos({corner.x + px(200), corner.y});
+  ImGui::SetCursorPos({corner.x + px(178), corner.y});
   const bool whole = bench.tuning.whole_map();
   ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2{px(6), 0});
   const bool other = push_button("whole_map", whole ? "Near" : "Whole");
@@ -221,15 +221,23 @@ void tune_view(Bench& bench) {
   if (!bench.tuning.nominal()) return;
   ImGui::BeginChild("pictures", {0, 0}, true);
   const ImVec2 room = ImGui::GetContentRegionAvail();
-  const ImVec2 half{std::max(0.5f * (room.x - px(8)), px(250)), room.y};
-  const float height = std::max(room.y, px(400));
+  const auto& nominal = *bench.tuning.nominal();
+  if (room.x < px(520)) {  // one below the other
+    const float height = px(260);
+    gain_map(bench, {room.x, height});
+    nyquist(nominal, {room.x, height});
+    bode(nominal, {room.x, 1.6f * height});
+    ImGui::EndChild();
+    return;
+  }
+  const float half = 0.5f * (room.x - px(8)), height = std::max(room.y, px(400));
   const ImVec2 corner = ImGui::GetCursorPos();
-  nyquist(*bench.tuning.nominal(), {half.x, 0.5f * (height - px(6))});
+  nyquist(nominal, {half, 0.5f * (height - px(6))});
   ImGui::SetCursorPos({corner.x, corner.y + 0.5f * (height + px(6))});
-  gain_map(bench, {half.x, 0.5f * (height - px(6))});
-  ImGui::SetCursorPos({corner.x + half.x + px(8), corner.y});
+  gain_map(bench, {half, 0.5f * (height - px(6))});
+  ImGui::SetCursorPos({corner.x + half + px(8), corner.y});
   ImGui::BeginGroup();
-  bode(*bench.tuning.nominal(), {half.x, height});
+  bode(nominal, {half, height});
   ImGui::EndGroup();
   ImGui::EndChild();
 }

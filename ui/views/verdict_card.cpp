@@ -55,7 +55,12 @@ void tile(const Figure& figure, float width) {
 
 void verdict_card(Bench& bench) {
   const auto& tuning = bench.tuning;
-  const float height = look().title->FontSize + look().small->FontSize + look().bold->FontSize + px(40);
+  constexpr int kFigures = 7;
+  const int columns = std::clamp(static_cast<int>((ImGui::GetContentRegionAvail().x - px(16)) / px(96)), 3, kFigures);
+  const int rows = (kFigures + columns - 1) / columns;
+  const float tile_height = look().small->FontSize + look().bold->FontSize + px(8);
+  const float height =
+      look().title->FontSize + static_cast<float>(rows) * tile_height + px(30) + (rows > 1 ? px(16) : 0.0f);
   ImGui::BeginChild("verdict", {0, height}, true, ImGuiWindowFlags_NoScrollbar);
   if (!tuning.nominal()) {
     const TextStyle style(look().bold, palette().unstable);
@@ -84,12 +89,13 @@ void verdict_card(Bench& bench) {
     ImGui::TextUnformatted(verdict.sentence.c_str());
     ImGui::PopTextWrapPos();
   }
-  ImGui::SetCursorPosY(look().title->FontSize + px(22));
+  ImGui::SetCursorPosY(look().title->FontSize + px(22) + (rows > 1 ? px(16) : 0.0f));
   const auto figures = figures_of(*tuning.nominal(), tuning.robust(), tuning.population());
-  const float width = (ImGui::GetContentRegionAvail().x - px(6) * static_cast<float>(figures.size() - 1)) /
-                      static_cast<float>(figures.size());
+  const float gap = px(6);
+  const float width =
+      (ImGui::GetContentRegionAvail().x - gap * static_cast<float>(columns - 1)) / static_cast<float>(columns);
   for (std::size_t i = 0; i < figures.size(); ++i) {
-    if (i > 0) ImGui::SameLine(0, px(6));
+    if (i % static_cast<std::size_t>(columns) != 0) ImGui::SameLine(0, gap);
     tile(figures[i], width);
   }
   ImGui::EndChild();
