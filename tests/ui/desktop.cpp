@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <stdexcept>
 #include <thread>
 
@@ -95,8 +96,8 @@ nlohmann::json Desktop::shown() const {
   return nlohmann::json::parse(file, nullptr, false);
 }
 
-bool Desktop::until(const std::function<bool(const nlohmann::json&)>& come) const {
-  for (int i = 0; i < 1200; ++i) {
+bool Desktop::until(const std::function<bool(const nlohmann::json&)>& come, int seconds) const {
+  for (int i = 0; i < 20 * seconds; ++i) {
     const auto now = shown();
     if (!now.is_discarded() && come(now)) return true;
     std::this_thread::sleep_for(50ms);
@@ -123,12 +124,12 @@ void Desktop::move_to(const std::string& landmark, double right, double down) {
   const double x = place["x"].get<double>() + (right - 0.5) * place["width"].get<double>();
   const double y = place["y"].get<double>() + (down - 0.5) * place["height"].get<double>();
   xdotool({"mousemove", std::to_string(static_cast<int>(x)), std::to_string(static_cast<int>(y))});
-  std::this_thread::sleep_for(120ms);  // ImGui 1.86 has no event queue: it must see the mouse there in a frame
+  rest();
 }
 
 void Desktop::press(bool down) {
   xdotool({down ? "mousedown" : "mouseup", "1"});
-  std::this_thread::sleep_for(200ms);
+  rest();
 }
 
 void Desktop::click(const std::string& landmark, double right, double down) {
@@ -137,22 +138,37 @@ void Desktop::click(const std::string& landmark, double right, double down) {
   press(false);
 }
 
-void Desktop::type_value(const std::string& slider, const std::string& value) {
-  move_to(slider);
-  xdotool({"keydown", "ctrl"});
-  std::this_thread::sleep_for(200ms);
-  press(true);
-  press(false);
-  xdotool({"keyup", "ctrl"});
-  std::this_thread::sleep_for(200ms);
-  keys("ctrl+a");
-  type(value);
-  keys("Return");
+bool Desktop::type_value(const std::string& slider, const std::string& value, const std::string& key) {
+  const double wanted = std::stod(value);
+  for (const int hold_ms : {150, 500, 1500}) {
+    hold_ms_ = hold_ms;
+    move_to(slider);
+    xdotool({"keydown", "ctrl"});
+    rest();
+    press(true);
+    press(false);
+    xdotool({"keyup", "ctrl"});
+    rest();
+    keys("ctrl+a");
+    type(value);
+    keys("Return");
+    if (until([&](const auto& shown) { return shown[key] == wanted; }, 5)) return true;
+  }
+  return false;
 }
 
 void Desktop::keys(const std::string& combination) {
-  xdotool({"key", "--delay", "150", combination});
-  std::this_thread::sleep_for(200ms);
+  std::vector<std::string> down{"keydown"}, up{"keyup"};
+  std::istringstream parts(combination);
+  for (std::string part; std::getline(parts, part, '+');) down.push_back(part), up.insert(up.begin() + 1, part);
+  xdotool(down);
+  rest();
+  xdotool(up);
+  rest();
+}
+
+void Desktop::rest() const {
+  std::this_thread::sleep_for(std::chrono::milliseconds(hold_ms_));
 }
 
 void Desktop::type(const std::string& text) {

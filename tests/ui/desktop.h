@@ -23,13 +23,14 @@ class Desktop {
 
   nlohmann::json shown() const;
   /// Waits until the panel shows what is expected; false after a minute.
-  bool until(const std::function<bool(const nlohmann::json&)>& come) const;
+  bool until(const std::function<bool(const nlohmann::json&)>& come, int seconds = 60) const;
   bool until_named(const std::string& landmark) const;
 
   /// At a share of a named thing, from its upper left corner.
   void click(const std::string& landmark, double right = 0.5, double down = 0.5);
-  /// Ctrl and a click on a slider, then the number and Enter.
-  void type_value(const std::string& slider, const std::string& value);
+  /// Ctrl and a click on a slider, then the number and Enter; again, more slowly, where the panel was too busy to see
+  /// it. True once it shows the value under its key.
+  bool type_value(const std::string& slider, const std::string& value, const std::string& key);
   void move_to(const std::string& landmark, double right = 0.5, double down = 0.5);
   void press(bool down);
   void keys(const std::string& combination);
@@ -41,8 +42,10 @@ class Desktop {
   bool alive() const;
 
  private:
+  void rest() const;
   void xdotool(const std::vector<std::string>& arguments) const;
 
+  int hold_ms_ = 150;             ///< ImGui 1.86 has no event queue: a key or button must be down in a frame to be seen
   int screen_ = -1, panel_ = -1;  ///< processes
   std::string display_, folder_;
 };

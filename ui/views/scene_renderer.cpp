@@ -24,8 +24,10 @@ void add_arrow(mjvScene& scene, const Vector3d& from, const Vector3d& along, dou
   const Eigen::Matrix3d turn = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), along / length).toRotationMatrix();
   std::array<mjtNum, 9> matrix;
   Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(matrix.data()) = turn;
-  const std::array<mjtNum, 3> size{width, width, type == mjGEOM_ARROW ? length : 0.5 * length};
-  const Vector3d middle = type == mjGEOM_ARROW ? from : Vector3d(from + 0.5 * along);
+  // MuJoCo measures an arrow by its length, a capsule by its radius and half its length
+  const bool arrow = type == mjGEOM_ARROW;
+  const std::array<mjtNum, 3> size{width, arrow ? width : 0.5 * length, arrow ? length : 0.0};
+  const Vector3d middle = arrow ? from : Vector3d(from + 0.5 * along);
   const std::array<mjtNum, 3> position{middle.x(), middle.y(), middle.z()};
   const std::array<float, 4> rgba{colour.r, colour.g, colour.b, colour.a};
   mjv_initGeom(&scene.geoms[scene.ngeom++], type, size.data(), position.data(), matrix.data(), rgba.data());
@@ -131,7 +133,7 @@ void SceneRenderer::draw(const SceneState& state, const models::Scenario& scenar
       m.scene.model ? Vector3d(Eigen::Map<const Vector3d>(m.data->site_xpos + 3 * m.scene.tip_site)) : state.tip_m;
   add_arrow(m.shapes, tip, kMetresPerNewton * state.sensed_force_N, 0.0035, colours[1]);
   add_arrow(m.shapes, tip, kMetresPerNewton * state.wall_force_N, 0.0055, colours[2].faded(0.6f));
-  if (state.pull_anchor_m) add_arrow(m.shapes, tip, *state.pull_anchor_m - tip, 0.0012, colours[4], mjGEOM_CAPSULE);
+  if (state.pull_anchor_m) add_arrow(m.shapes, tip, *state.pull_anchor_m - tip, 0.0018, colours[4], mjGEOM_CAPSULE);
   mjr_setBuffer(mjFB_WINDOW, &m.context);
   mjr_render({where.left, where.bottom, where.width, where.height}, &m.shapes, &m.context);
 }
