@@ -18,6 +18,7 @@
 #include "studies/margins_json.h"
 #include "studies/scenario_margins.h"
 #include "studies/seven_bar_margins.h"
+#include "studies/seven_bar_plots.h"
 #include "studies/stability_figures.h"
 
 namespace handloop::cli {
@@ -105,12 +106,14 @@ void run_scenario(const Options& options) {
   const auto scenario = read_scenario_argument(options.scenario);
   if (options.figures) {
     if (options.out.empty()) throw InputError("margins --figures: say where the pictures go, --out DIR");
+    if (scenario.device.model == models::DeviceModel::seven_bar) {
+      return studies::write_seven_bar_figures(scenario, options.out);
+    }
     return studies::write_stability_figures(scenario, options.out);
   }
   if (scenario.device.model == models::DeviceModel::seven_bar) {
-    if (!options.out.empty())
-      throw InputError("margins --scenario: a seven-bar linkage has no report yet; leave out --out");
-    const auto seven_bar = studies::seven_bar_margins();
+    if (!options.out.empty()) studies::write_seven_bar_margins(scenario, options.out);
+    const auto seven_bar = studies::seven_bar_margins(scenario);
     if (!options.json.empty()) studies::write_json(studies::to_json(seven_bar), options.json);
     if (options.json != "-") fmt::print("{}", studies::to_text(seven_bar));
     return;
@@ -148,7 +151,7 @@ void add_margins_command(CLI::App& program) {
   command->add_option("--percentiles", options->percentiles, "how Table III's ends are read: ecdf or central")
       ->capture_default_str();
   command->add_flag("--figures", options->figures,
-                    "only draw the pictures of docs/stability.md for the scenario, into --out DIR");
+                    "only draw the pictures of docs/stability.md (docs/seven_bar.md) for the scenario, into --out DIR");
   command->add_flag("--quick", options->quick, "do not search for the stiffness each test permits");
   command->add_option("--cases", options->cases,
                       "CSV of loops: id,axis,M,k1,k2,b1,b2,K,B (and m,b,T,delay_samples,cutoff_Hz)");

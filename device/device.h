@@ -49,6 +49,8 @@ struct DeviceDescription {
   /// the first `gauge_count` inputs (a sensor maker's calibration). 0: inputs 0, 1, 2 are the axes themselves.
   std::size_t gauge_count = 0;
   std::array<std::array<double, kMaxAnalogInputs>, 3> gauge_N_per_V{};
+  /// The same for a sensor at the device's environment; zero where there is none.
+  std::array<std::array<double, kMaxAnalogInputs>, 3> environment_N_per_V{};
   double sample_time_s = 0.001;
   bool recorded = false;  ///< a recording does not answer to commands: what follows from them cannot be checked
   bool ideal = false;     ///< noise-free: a constant sensor is then no sign of a dead one

@@ -7,7 +7,7 @@ namespace {
 
 using enum FaultResponse;
 
-constexpr std::array<FaultInfo, 20> kFaults{{
+constexpr std::array<FaultInfo, 25> kFaults{{
     {Fault::none, "none", "no fault", "", ramp_to_zero},
     {Fault::not_finite, "not_finite", "a position, force or command was not a finite number", "", zero_at_once},
     {Fault::no_reading, "no_reading", "no fresh sample for longer than the watchdog allows", "samples", ramp_to_zero},
@@ -36,6 +36,14 @@ constexpr std::array<FaultInfo, 20> kFaults{{
      ramp_to_zero},
     {Fault::log_failed, "log_failed", "the log could not be written", "", ramp_to_zero},
     {Fault::external, "external", "stopped from outside", "", ramp_to_zero},
+    {Fault::joint_position, "joint_position", "a joint left its permitted range", "rad", zero_at_once},
+    {Fault::joint_velocity, "joint_velocity", "a joint turned faster than permitted", "rad/s", zero_at_once},
+    {Fault::joint_acceleration, "joint_acceleration", "a joint accelerated more than permitted", "rad/s^2",
+     zero_at_once},
+    {Fault::contact_force, "contact_force", "the force at the hand or the environment is larger than permitted", "N",
+     zero_at_once},
+    {Fault::model_mismatch, "model_mismatch", "the joints do not move as torques and contact forces say they must",
+     "Nm", zero_at_once},
 }};
 
 }  // namespace

@@ -27,7 +27,12 @@ enum class Fault : std::uint8_t {
   controller_exception,
   loop_stalled,
   log_failed,
-  external
+  external,
+  joint_position,
+  joint_velocity,
+  joint_acceleration,
+  contact_force,
+  model_mismatch
 };
 
 /// How the force ends: at once, or by a linear ramp of the DAC codes where what is known may still be trusted for a

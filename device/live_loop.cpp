@@ -1,6 +1,7 @@
 #include "device/live_loop.h"
 
 #include <cmath>
+#include <limits>
 
 #include "control/controllers/phantom_mechanism.h"
 
@@ -21,6 +22,14 @@ LoopConfig loop_config(const models::Scenario& scenario, const Eigen::Vector3d& 
   LoopConfig config;
   config.limits = safety_limits(scenario, home_tip_m);
   config.delay_samples = scenario.loop.delay_samples;
+  config.states = state_limits(scenario.safety);
+  config.states.against_model = config.limits.watch_encoders;
+  if (scenario.device.model == models::DeviceModel::seven_bar) {
+    // Its controller asks for positions, not for a force that sensor and encoders could be compared with: that is what
+    // the state monitor's model is for.
+    config.limits.mismatch_force_N = config.limits.stuck_force_N = std::numeric_limits<double>::infinity();
+    config.limits.watch_encoders = false;
+  }
   return config;
 }
 

@@ -18,10 +18,12 @@ constexpr std::string_view kHeader =
     "written_z_N,energy_J,contact,clipped,taken,fault,q1_rad,q2_rad,q3_rad,count_1,count_2,count_3,adc_1,adc_2,adc_3,"
     "adc_4,dac_1,dac_2,dac_3";
 
+constexpr std::string_view kEnvironmentHeader = ",environment_x_N,environment_y_N,environment_z_N,adc_5";
+
 // The kernel looks for fatal signals between two pages of one write.
 constexpr std::size_t kPageBytes = 4096;
-// No row is longer: 22 numbers of at most 24 characters, and 17 short ones.
-constexpr std::size_t kLongestRow = 640;
+// No row is longer: 25 numbers of at most 24 characters, and 18 short ones.
+constexpr std::size_t kLongestRow = 720;
 
 class Row {
  public:
@@ -64,8 +66,10 @@ class Row {
 
 }  // namespace
 
-std::string_view log_header() {
-  return kHeader;
+std::string log_header(const LogFormat& format) {
+  std::string header(kHeader);
+  if (format.environment) header += kEnvironmentHeader;
+  return header;
 }
 
 std::size_t format_row(const StepRecord& r, const LogFormat& format, char* text) {
@@ -92,6 +96,10 @@ std::size_t format_row(const StepRecord& r, const LogFormat& format, char* text)
   for (const auto counts : r.reading.encoder_counts) row.add(counts);
   for (std::size_t i = 0; i < 4; ++i) row.add(r.reading.adc_codes[i]);
   for (const auto code : r.command.dac_codes) row.add(code);
+  if (format.environment) {
+    row.add_axes(r.environment_force_N);
+    row.add(r.reading.adc_codes[4]);
+  }
   return row.finish();
 }
 
@@ -100,7 +108,7 @@ LogFile::LogFile(const std::filesystem::path& path, const LogFormat& format, int
   descriptor_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
   if (descriptor_ < 0) throw InputError(path.string() + ": cannot write the log: " + std::strerror(errno));
   buffer_.reserve(static_cast<std::size_t>(flush_rows) * kMaxRow + 2 * kPageBytes);
-  buffer_ = kHeader;
+  buffer_ = log_header(format);
   buffer_ += '\n';
   position_ = buffer_.size();
   write_out();

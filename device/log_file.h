@@ -17,10 +17,11 @@ namespace handloop::device {
 struct LogFormat {
   models::Axis axis = models::Axis::z;  ///< whose position and sensed force lead the row
   Eigen::Vector3d home_tip_m = Eigen::Vector3d::Zero();
+  bool environment = false;  ///< with the force on the environment and the fifth analog input
 };
 
 /// Header line without line end. The first three columns make the log a recording (`handloop explain log.csv`).
-std::string_view log_header();
+std::string log_header(const LogFormat& format = {});
 /// Writes one row with line end into `text` (at most `kMaxRow` bytes); returns its length. Does not allocate.
 inline constexpr std::size_t kMaxRow = 1024;
 std::size_t format_row(const StepRecord& record, const LogFormat& format, char* text);

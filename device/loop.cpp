@@ -33,13 +33,14 @@ Loop::Loop(const LoopConfig& config, const DeviceDescription& description, const
       description_(description),
       mechanism_(mechanism),
       controller_(controller),
-      feedforward_bound_Nm_(mechanism.gravity_bound_Nm()),
+      feedforward_bound_Nm_(mechanism.feedforward_bound_Nm()),
       zero_(zero_code(description)),
       limiter_(config.limits, description.sample_time_s),
       observer_(config.limits.energy_J, description.sample_time_s),
       monitor_(config.limits, description),
       encoders_(description.motor_count, description.sample_time_s, config.limits.least_momentum_Ns),
-      forces_known_(config.limits.watch_encoders && !description.recorded && description.analog_input_count >= 3) {
+      forces_known_(config.limits.watch_encoders && !description.recorded && description.analog_input_count >= 3),
+      state_monitor_(config.states, mechanism, description) {
   if (config.delay_samples < 0 || config.delay_samples > kMaxDelaySamples) {
     throw InputError("loop.delay_samples must be 0 to " + std::to_string(kMaxDelaySamples) + ", not " +
                      std::to_string(config.delay_samples));
@@ -54,6 +55,7 @@ void Loop::reset() noexcept {
   observer_.reset();
   monitor_.reset();
   encoders_.reset();
+  state_monitor_.reset();
   unwrap_.reset();
   record_ = {};
   event_ = {};
@@ -150,7 +152,8 @@ bool Loop::take_fresh(const Reading& reading, std::uint64_t samples) {
   input.time_s = static_cast<double>(reading.time_ns) * 1e-9;
   input.joint_rad = q;
   input.mechanism = mechanism_.at(q);
-  input.sensed_force_N = sensed_force_N(description_, reading.adc_codes);
+  input.sensed_force_N = mechanism_.hand_force_N(q, sensed_force_N(description_, reading.adc_codes));
+  input.environment_force_N = mechanism_.environment_force_N(q, environment_force_N(description_, reading.adc_codes));
   input.grip_force_N = grip_force_N(description_, reading.adc_codes);
 
   if (!q.allFinite() || !finite(input.mechanism) || !input.sensed_force_N.allFinite()) {
@@ -164,6 +167,7 @@ bool Loop::take_fresh(const Reading& reading, std::uint64_t samples) {
   record_.joint_rad = q;
   record_.tip_m = input.mechanism.tip_m;
   record_.sensed_force_N = input.sensed_force_N;
+  record_.environment_force_N = input.environment_force_N;
   record_.grip_force_N = input.grip_force_N;
 
   FaultEvent seen = monitor_.check(reading, input.mechanism, input.sensed_force_N, held_.force_N, samples);
@@ -173,6 +177,7 @@ bool Loop::take_fresh(const Reading& reading, std::uint64_t samples) {
     seen = {Fault::energy, 0, 0, record_.energy_J, config_.limits.energy_J};
   }
   if (seen.fault == Fault::none) seen = check_encoders(input, samples);
+  if (const auto states = check_states(input, samples); seen.fault == Fault::none) seen = states;
   if (seen.fault != Fault::none) {
     seen.sample = steps_;
     seen.time_ns = reading.time_ns;
@@ -226,6 +231,20 @@ FaultEvent Loop::check_encoders(const control::ControllerInput& input, std::uint
     torque_Nm[static_cast<Eigen::Index>(i)] = code_torque_Nm(description_, i, held_.codes[i]);
   }
   return encoders_.check(input.joint_rad, input.mechanism, torque_Nm, input.sensed_force_N, samples);
+}
+
+FaultEvent Loop::check_states(const control::ControllerInput& input, std::uint64_t samples) noexcept {
+  JointSample sample;
+  sample.joint_rad = input.joint_rad;
+  sample.mechanism = input.mechanism;
+  sample.sensed_force_N = input.sensed_force_N;
+  sample.environment_force_N = input.environment_force_N;
+  for (std::size_t i = 0; i < description_.motor_count; ++i) {
+    sample.torque_Nm[static_cast<Eigen::Index>(i)] = code_torque_Nm(description_, i, held_.codes[i]);
+  }
+  const FaultEvent event = state_monitor_.check(sample, samples);
+  record_.model_torque_Nm = state_monitor_.model_torque_Nm();
+  return event;
 }
 
 void Loop::latch(FaultEvent event) noexcept {

@@ -11,6 +11,7 @@
 #include "device/record.h"
 #include "device/safety.h"
 #include "device/scales.h"
+#include "device/state_monitor.h"
 
 namespace handloop::device {
 
@@ -20,6 +21,7 @@ struct LoopConfig {
   SafetyLimits limits;
   /// What is computed from the reading of sample n is written in sample n + delay_samples.
   int delay_samples = 1;
+  StateLimits states;
 };
 
 /// The haptic loop, one sample a call: read, check finite, convert, control, limit, envelope, delay, write.
@@ -69,6 +71,7 @@ class Loop {
   void compute(const Reading& reading) noexcept;
   void take(const Reading& reading);
   bool take_fresh(const Reading& reading, std::uint64_t samples);
+  FaultEvent check_states(const control::ControllerInput& input, std::uint64_t samples) noexcept;
   void latch(FaultEvent event) noexcept;
   FaultEvent check_encoders(const control::ControllerInput& input, std::uint64_t samples) noexcept;
   Command next_command() noexcept;
@@ -86,6 +89,7 @@ class Loop {
   MotionMonitor monitor_;
   EncoderWatch encoders_;
   bool forces_known_;  ///< commands cause the motion, and a sensor tells the force passed on
+  StateMonitor state_monitor_;
   EncoderUnwrap unwrap_;
 
   StepRecord record_;

@@ -5,7 +5,7 @@
 
 #include "device/comedi/comedi_device.h"
 #include "device/replay_device.h"
-#include "device/sim_device.h"
+#include "device/seven_bar_device.h"
 #include "device/wire/wire_device.h"
 #include "io/scenario_file.h"
 #include "models/errors.h"
@@ -15,7 +15,7 @@ namespace handloop::device {
 namespace {
 
 DeviceDescription simulated_description(const models::Scenario& scenario) {
-  return describe(sim::PhantomPlant(plant_scenario(scenario)).description(), scenario);
+  return make_simulated_device(scenario)->description();
 }
 
 }  // namespace
@@ -24,7 +24,7 @@ std::unique_ptr<Device> open_device(const std::string& address, const OpenOption
   const std::string_view text = address;
   const auto after = [&](std::string_view prefix) { return std::string(text.substr(prefix.size())); };
   if (options.key && !text.starts_with("udp://")) throw InputError("--key is only for --device udp://HOST:PORT");
-  if (text == "sim") return std::make_unique<SimDevice>(options.scenario);
+  if (text == "sim") return make_simulated_device(options.scenario);
   if (text.starts_with("udp://")) {
     wire::WireOptions wire;
     wire.plant = wire::parse_address(after("udp://"), "--device");
@@ -36,6 +36,10 @@ std::unique_ptr<Device> open_device(const std::string& address, const OpenOption
   }
   if (text.starts_with("replay:")) {
     return std::make_unique<ReplayDevice>(simulated_description(options.scenario), options.scenario, after("replay:"));
+  }
+  if (options.scenario.device.model == models::DeviceModel::seven_bar && text.starts_with("comedi")) {
+    throw InputError("--device '" + address +
+                     "': boards are wired for the Phantom; the seven-bar runs on sim, udp and replay");
   }
   if (text == "comedi" || text.starts_with("comedi:")) {
     const auto config = text == "comedi" ? comedi::ComediConfig{} : comedi::read_comedi_config(after("comedi:"));
@@ -55,6 +59,14 @@ std::uint64_t plant_hash(models::Scenario scenario) {
   scenario.loop.sample_time_s = sample_time_s;
   scenario.wall = usual.wall;
   scenario.safety = usual.safety;
+  const auto hand_and_load = scenario.force_amplifier;
+  scenario.force_amplifier = usual.force_amplifier;
+  scenario.force_amplifier.load_kg = hand_and_load.load_kg;
+  scenario.force_amplifier.hand = hand_and_load.hand;
+  scenario.force_amplifier.hand_rms_N = hand_and_load.hand_rms_N;
+  scenario.force_amplifier.hand_bandwidth_Hz = hand_and_load.hand_bandwidth_Hz;
+  scenario.force_amplifier.hand_cubic_N_per_m3 = hand_and_load.hand_cubic_N_per_m3;
+  scenario.force_amplifier.hand_leaves_s = hand_and_load.hand_leaves_s;
   scenario.run.duration_s = usual.run.duration_s;
   scenario.run.seed = usual.run.seed;
   return wire::text_hash(io::to_toml(scenario));

@@ -41,6 +41,8 @@ bool ReplayDevice::read_log(const std::filesystem::path& path) {
     columns.push_back(*found);
   }
   columns.push_back(file.require("dac_3"));
+  const auto fifth = file.find("adc_5");  // of devices that have one
+  if (fifth) columns.push_back(*fifth);
   const auto values = file.read_numbers(columns);
   for (std::size_t row = 0; row < values[0].size(); ++row) {
     Reading r;
@@ -49,6 +51,7 @@ bool ReplayDevice::read_log(const std::filesystem::path& path) {
     r.valid = values[2][row] != 0.0;
     for (std::size_t i = 0; i < 3; ++i) r.encoder_counts[i] = static_cast<std::int32_t>(values[3 + i][row]);
     for (std::size_t i = 0; i < 4; ++i) r.adc_codes[i] = static_cast<std::uint32_t>(values[6 + i][row]);
+    if (fifth) r.adc_codes[4] = static_cast<std::uint32_t>(values[13][row]);
     Command c;
     c.sample = r.sample;
     for (std::size_t i = 0; i < 3; ++i) c.dac_codes[i] = static_cast<std::uint32_t>(values[10 + i][row]);

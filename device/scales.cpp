@@ -55,6 +55,18 @@ Vector3 sensed_force_N(const DeviceDescription& d, const std::array<std::uint32_
   return force;
 }
 
+Vector3 environment_force_N(const DeviceDescription& d, const std::array<std::uint32_t, kMaxAnalogInputs>& codes) {
+  Vector3 force = Vector3::Zero();
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (std::size_t i = 0; i < d.analog_input_count; ++i) {
+      if (d.environment_N_per_V[axis][i] != 0.0) {
+        force[static_cast<Eigen::Index>(axis)] += d.environment_N_per_V[axis][i] * adc_volts(d, codes[i]);
+      }
+    }
+  }
+  return force;
+}
+
 double grip_force_N(const DeviceDescription& d, const std::array<std::uint32_t, kMaxAnalogInputs>& codes) {
   const std::size_t input = force_inputs(d);
   return input < d.analog_input_count ? analog_N(d, input, codes[input]) : 0.0;

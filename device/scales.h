@@ -25,8 +25,11 @@ double analog_N(const DeviceDescription& description, std::size_t channel, std::
 
 /// Inputs that make up the force: 3, or the number of gauges; the grip force is the next one.
 std::size_t force_inputs(const DeviceDescription& description);
-/// Force of the device on the hand in N, device frame.
+/// Force of the device on the hand in N, device frame (or the sensor's own axes: control::Mechanism::hand_force_N).
 Vector3 sensed_force_N(const DeviceDescription& description, const std::array<std::uint32_t, kMaxAnalogInputs>& codes);
+/// Force of the device on its environment in N, the sensor's own axes; zero where it is not measured.
+Vector3 environment_force_N(const DeviceDescription& description,
+                            const std::array<std::uint32_t, kMaxAnalogInputs>& codes);
 /// Grip force in N; 0 where it is not measured.
 double grip_force_N(const DeviceDescription& description, const std::array<std::uint32_t, kMaxAnalogInputs>& codes);
 

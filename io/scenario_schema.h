@@ -105,10 +105,47 @@ void walk_scenario(Scenario& s, Visitor& v) {
            "that the wall may give the hand beyond what it received");
   v.integer("watchdog_samples", s.safety.watchdog_samples, Range{1, 1e6}, "without a fresh reading or command");
 
+  v.number("joint_velocity_limit_rad_per_s", s.safety.joint_velocity_limit_rad_per_s, Range{0, 1e4, true},
+           "of each joint");
+  v.number("joint_acceleration_limit_rad_per_s2", s.safety.joint_acceleration_limit_rad_per_s2, Range{0, 1e7, true},
+           "of each joint, over about 2 ms");
+  v.number("contact_force_limit_N", s.safety.contact_force_limit_N, Range{0, 1e4, true},
+           "sensed at the hand or at the environment");
+  v.number("model_torque_limit_Nm", s.safety.model_torque_limit_Nm, Range{0, 1e4, true},
+           "of a joint, that the model of the mechanism does not explain");
+
   v.table("hand", "How the hand moves of its own accord");
   v.choice("axis", s.hand.axis, kAxisWords, "along which it pushes");
   v.number("push_N", s.hand.push_N, Range{-50, 50}, "mean force, into the wall where positive");
   v.number("disturbance_N", s.hand.disturbance_N, Range{0, 50}, "rms of 30 Hz coloured noise added to it");
+
+  auto& f = s.force_amplifier;
+  const Range any{-1e12, 1e12};
+  v.table("force_amplifier", "Force control of the seven-bar linkage, p_des = K (alpha f_h + f_e)");
+  v.numbers("alpha_xx", f.alpha_xx, any, "force amplification forwards: numerator, coefficients of s^3, s^2, s and 1");
+  v.numbers("alpha_xy", f.alpha_xy, any, "of an upward hand force, felt forwards");
+  v.numbers("alpha_yx", f.alpha_yx, any, "of a forward hand force, felt upwards");
+  v.numbers("alpha_yy", f.alpha_yy, any, "upwards");
+  v.numbers("alpha_denominator", f.alpha_denominator, any, "common denominator of the four; R is the inverse of alpha");
+  v.numbers("filter_numerator_m_per_N", f.filter_numerator_m_per_N, any,
+            "of the stability filter K; the paper gives none, this one is ours");
+  v.numbers("filter_denominator", f.filter_denominator, any, "of K");
+  v.number("inner_bandwidth_rad_per_s", f.inner_bandwidth_rad_per_s, Range{1, 1e4},
+           "of the primary stabilising controller");
+  v.number("performance_band_rad_per_s", f.performance_band_rad_per_s, Range{0, 1e3, true},
+           "w_p: the performance R is wanted from 0 to here");
+  v.number("performance_tolerance", f.performance_tolerance, Range{0, 1, true}, "epsilon of that");
+  v.number("load_kg", f.load_kg, Range{0, 20}, "environment: a mass 0.5 m from the elbow");
+  v.choice("hand", f.hand,
+           Words<models::SevenBarHand>{{"printed", models::SevenBarHand::printed},
+                                       {"tight", models::SevenBarHand::tight},
+                                       {"loose", models::SevenBarHand::loose}},
+           "arm at the handle: the impedance H_0 as printed, or an arm with neural feedback, held tightly or loosely");
+  v.number("hand_rms_N", f.hand_rms_N, Range{0, 500}, "rms of the irregular muscle force, along each axis");
+  v.number("hand_bandwidth_Hz", f.hand_bandwidth_Hz, Range{0.02, 50}, "of it");
+  v.number("hand_cubic_N_per_m3", f.hand_cubic_N_per_m3, Range{0, 1e9},
+           "cubic spring of the hand, the nonlinear Delta");
+  v.number("hand_leaves_s", f.hand_leaves_s, Range{0, 1e6}, "when the hand lets go of the handle; 0: never");
 
   v.table("run", "The run");
   v.number("duration_s", s.run.duration_s, Range{0, 1e6, true}, "of simulated or real time");

@@ -10,6 +10,7 @@
 #include "models/axis.h"
 #include "models/axis_model.h"
 #include "models/phantom.h"
+#include "models/seven_bar_arm.h"
 
 /// What a scenario file says, as plain data: the device, the arm that holds it, the controller and the run. Reading and
 /// writing is io/scenario_file.h; each key is documented in docs/scenarios.md. Defaults here are the defaults of the
@@ -82,6 +83,10 @@ struct SafetySettings {
   double workspace_radius_m = 0.15;            ///< about the tip at the pose
   double energy_limit_J = 0.5;                 ///< that the wall may give the hand beyond what it received
   int watchdog_samples = 20;
+  double joint_velocity_limit_rad_per_s = 30.0;
+  double joint_acceleration_limit_rad_per_s2 = 6000.0;
+  double contact_force_limit_N = 16.0;  ///< sensed, of hand and environment
+  double model_torque_limit_Nm = 0.6;   ///< of a joint, that the mechanism's model does not explain
 };
 
 /// How the hand moves on its own: what makes the tip meet the wall in a run.
@@ -89,6 +94,27 @@ struct HandMotionSettings {
   Axis axis = Axis::z;
   double push_N = 2.0;         ///< mean force into the wall
   double disturbance_N = 0.0;  ///< rms of 30 Hz coloured noise added to it
+};
+
+/// Coefficients of s^3, s^2, s and 1.
+using Cubic = std::array<double, 4>;
+
+/// Force control of the seven-bar linkage (Kazerooni and Her): p_des = K (alpha f_h + f_e). Only for that device.
+struct ForceAmplifierSettings {
+  Cubic alpha_xx{0, 0, 0, 8}, alpha_xy{0, 0, 0, 0}, alpha_yx{0, 0, 0, 0}, alpha_yy{0, 0, 0, 5};
+  Cubic alpha_denominator{0, 0, 0, 1};
+  /// The paper gives no K: 0.0198 m/N/(0.03 s + 1)^3 is ours.
+  Cubic filter_numerator_m_per_N{0, 0, 0, 0.0198};
+  Cubic filter_denominator{2.7e-5, 2.7e-3, 0.09, 1};
+  double inner_bandwidth_rad_per_s = 200.0;   ///< of the primary stabilising controller
+  double performance_band_rad_per_s = 6.28;   ///< w_p of (8) and (9)
+  double performance_tolerance = 0.01;        ///< epsilon
+  double load_kg = 33.82 / 9.80665;           ///< at 0.5 m from the elbow
+  SevenBarHand hand = SevenBarHand::printed;  ///< impedance of the arm at the handle
+  double hand_rms_N = 12.0;                   ///< of the muscle force that moves it, irregular, each axis
+  double hand_bandwidth_Hz = 0.5;
+  double hand_cubic_N_per_m3 = 0.0;  ///< nonlinear Delta: a cubic spring of the hand
+  double hand_leaves_s = 0.0;        ///< when the hand lets go; 0: never
 };
 
 struct RunSettings {
@@ -107,6 +133,7 @@ struct Scenario {
   WallSettings wall;
   SafetySettings safety;
   HandMotionSettings hand;
+  ForceAmplifierSettings force_amplifier;
   RunSettings run;
 };
 

@@ -7,6 +7,7 @@
 
 #include "control/controllers/phantom_mechanism.h"
 #include "control/controllers/virtual_wall.h"
+#include "device/live_loop.h"
 #include "device/recorder.h"
 #include "device/session.h"
 #include "device/sim_device.h"
@@ -52,8 +53,7 @@ LoopTrace trace_loop(const models::Scenario& scenario) {
   const Eigen::Vector3d pose(scenario.device.pose_rad[0], scenario.device.pose_rad[1], scenario.device.pose_rad[2]);
   const Eigen::Vector3d home_m = mechanism->at(pose).tip_m;
   auto wall = control::make_virtual_wall(scenario, home_m);
-  const device::LoopConfig config{device::safety_limits(scenario, home_m), scenario.loop.delay_samples};
-  device::Loop loop(config, device.description(), *mechanism, wall);
+  device::Loop loop(device::loop_config(scenario, home_m), device.description(), *mechanism, wall);
 
   device::SessionOptions options;
   options.steps = static_cast<std::uint64_t>(std::llround(scenario.run.duration_s / scenario.loop.sample_time_s));

@@ -8,7 +8,9 @@
 #include <cstdlib>
 #include <memory>
 
+#include "control/controllers/force_amplifier.h"
 #include "control/controllers/phantom_mechanism.h"
+#include "control/controllers/seven_bar_mechanism.h"
 #include "control/controllers/virtual_wall.h"
 #include "device/fault_injection.h"
 #include "device/live_loop.h"
@@ -20,6 +22,7 @@
 #include "models/errors.h"
 #include "studies/run_report.h"
 #include "studies/run_stability.h"
+#include "studies/seven_bar_report.h"
 
 namespace handloop::studies {
 namespace {
@@ -32,10 +35,11 @@ constexpr std::uint64_t kLongestTrace = 1'000'000;
 /// Passes records on and keeps what judge and pictures need; the memory for it is reserved before.
 class Observer final : public device::Recorder {
  public:
-  Observer(device::Recorder& inner, StabilityJudge& judge, RunTrace& trace, int row, double home_m)
-      : inner_(inner), judge_(judge), trace_(trace), row_(row), home_m_(home_m) {}
+  Observer(device::Recorder& inner, StabilityJudge& judge, RunTrace& trace, int row, double home_m,
+           SevenBarRunTrace* seven_bar)
+      : inner_(inner), judge_(judge), trace_(trace), row_(row), home_m_(home_m), seven_bar_(seven_bar) {}
   bool take(const device::StepRecord& record) noexcept override {
-    judge_.add(record);
+    judge_.add(seven_bar_ != nullptr ? seven_bar_->add(record) : record);
     trace_.add(record, row_, home_m_);
     return inner_.take(record);
   }
@@ -47,7 +51,22 @@ class Observer final : public device::Recorder {
   RunTrace& trace_;
   int row_;
   double home_m_;
+  SevenBarRunTrace* seven_bar_;
 };
+
+std::unique_ptr<control::Mechanism> mechanism_of(const models::Scenario& scenario) {
+  if (scenario.device.model == models::DeviceModel::seven_bar) {
+    return std::make_unique<control::SevenBarMechanism>(control::seven_bar_of(scenario));
+  }
+  return control::make_mechanism(scenario.device);
+}
+
+std::unique_ptr<control::Controller> controller_of(const models::Scenario& scenario, const Eigen::Vector3d& home_m) {
+  if (scenario.device.model == models::DeviceModel::seven_bar) {
+    return std::make_unique<control::ForceAmplifier>(control::make_force_amplifier(scenario));
+  }
+  return std::make_unique<control::VirtualWall>(control::make_virtual_wall(scenario, home_m));
+}
 
 void reserve(RunTrace& trace, std::uint64_t samples) {
   trace.every = samples / kLongestTrace + 1;
@@ -129,9 +148,10 @@ std::string describe(const device::FaultEvent& fault) {
 
 RunOutcome run(const RunOptions& options) {
   const models::Scenario& scenario = options.scenario;
-  const auto mechanism = control::make_mechanism(scenario.device);
+  const bool linkage = scenario.device.model == models::DeviceModel::seven_bar;
+  const auto mechanism = mechanism_of(scenario);
   const Eigen::Vector3d home = mechanism->at(device::pose_rad(scenario)).tip_m;
-  control::VirtualWall wall = control::make_virtual_wall(scenario, home);
+  const auto controller = controller_of(scenario, home);
 
   const auto bare = device::open_device(options.device, {scenario, options.realtime, options.key});
   std::unique_ptr<device::FaultyDevice> faulty;
@@ -140,7 +160,7 @@ RunOutcome run(const RunOptions& options) {
     faulty = std::make_unique<device::FaultyDevice>(*bare, injection.name, injection.from_sample);
   }
   device::Device& device = faulty ? static_cast<device::Device&>(*faulty) : *bare;
-  device::Loop loop(device::loop_config(scenario, home), device.description(), *mechanism, wall);
+  device::Loop loop(device::loop_config(scenario, home), device.description(), *mechanism, *controller);
 
   device::SessionOptions session;
   session.steps = step_count(*bare, scenario.run.duration_s);
@@ -149,10 +169,11 @@ RunOutcome run(const RunOptions& options) {
 
   auto leftovers = logs_of_killed_runs(options.out);
   io::OutputDirectory directory(options.out);
-  const device::LogFormat format{scenario.wall.axis, home};
+  const device::LogFormat format{scenario.wall.axis, home, linkage};
   const int row = models::device_row(scenario.wall.axis);
   RunOutcome outcome;
   RunTrace trace;
+  SevenBarRunTrace linkage_trace(device.description().sample_time_s, home);
   StabilityJudge judge(session.steps, device.description().sample_time_s, scenario.hand.disturbance_N > 0.0);
   device::BlackBox black_box(kEvidence_s, device.description().sample_time_s);
   {
@@ -167,7 +188,8 @@ RunOutcome run(const RunOptions& options) {
     } else {
       writer = std::make_unique<device::DirectRecorder>(log);
     }
-    Observer observer(*writer, judge, trace, row, home[row]);
+    if (linkage) linkage_trace.reserve(session.steps);
+    Observer observer(*writer, judge, trace, row, home[row], linkage ? &linkage_trace : nullptr);
     device::MonotonicClock clock;
     outcome.session = run_session(device, loop, observer, black_box, clock, session);
     if (paced) device::release_realtime();
@@ -193,7 +215,11 @@ RunOutcome run(const RunOptions& options) {
   }
   if (outcome.session.fault.fault != Fault::none) write_evidence(directory / "fault.csv", black_box, format);
   io::write_file_atomically(directory / "summary.json", run_summary_json(options, outcome));
-  write_run_report(directory / "report.html", options, outcome, trace);
+  if (linkage) {
+    write_seven_bar_report(directory / "report.html", options, outcome, linkage_trace);
+  } else {
+    write_run_report(directory / "report.html", options, outcome, trace);
+  }
   directory.commit();
   return outcome;
 }

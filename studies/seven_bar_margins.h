@@ -1,19 +1,23 @@
 #pragma once
 
+#include <array>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "control/force_control_primary.h"
 #include "control/transfer_loop.h"
+#include "models/scenario.h"
 
-/// Stability of Kazerooni and Her's seven-bar interface ("The dynamics and control of a haptic interface device", IEEE
-/// Trans. Robotics and Automation 10(4), 1994): the loop G K (alpha H0 + E0) of the hand, the inner position loop and
-/// the filter.
+/// Stability and performance of Kazerooni and Her's interface ("The dynamics and control of a haptic interface device",
+/// IEEE Trans. Robotics and Automation 10(4), 1994) as a scenario has it.
 namespace handloop::studies {
 
-/// G = (1.2516 s + 2.079)/(0.002 s^3 + s^2 + 1.2516 s + 2.079), H0 = 4.0418 s^2 + 34.761 s + 176.586 N/m (their 12.1
-/// lbf/ft in SI) and E0 = 9.08 s^2. The paper does not give K; K = k/(0.03 s + 1)^3 m/N with k = 0.0198 is ours, chosen
-/// so that alpha = 5 and 8 are stable and 19 is not, as in its experiment. S_h = S_e = 0.
+/// What of it is ours, in one line, for everything that shows a number.
+extern const char* const kSevenBarAssumption;
+
+/// The loop as the paper has it: G (17), H_0 (18), E_0 (19), S_h = S_e = 0, and K = k/(0.03 s + 1)^3 of ours.
 control::TransferLoop seven_bar_loop(double alpha, double filter_gain = 0.0198);
 
 struct SevenBarMargins {
@@ -21,11 +25,26 @@ struct SevenBarMargins {
     double alpha;
     control::TransferMargins result;
   };
-  std::vector<Entry> loops;  ///< alpha of the paper: 8 (x), 5 (y) and the unstable 19
-  double alpha_limit = 0.0;  ///< stable below
-  double filter_gain = 0.0198;
+  /// Along x, then y.
+  struct Axis {
+    std::optional<control::TransferMargins> loop;  ///< G K (alpha H_0 + E), S = 0; none where alpha couples the axes
+    double environment_kg = 0.0;                   ///< of the mechanism's E = this s^2; the paper prints 9.08
+    std::optional<control::Limit> ideal;           ///< largest alpha with S_h = S_e = 0
+    std::optional<control::Limit> modelled;        ///< with the S_h, S_e and delays of the primary controller
+  };
+  std::vector<Entry> printed;  ///< the paper's loop at its alpha: 8 (x), 5 (y) and the unstable 19
+  double alpha_limit = 0.0;    ///< of the paper's loop: stable below
+  std::array<Axis, 2> axes;
+  std::optional<control::Limit> together;  ///< factor of the whole alpha, both axes at once, S_h and S_e included
+  bool stable = false;                     ///< of the scenario's loop: G_c has its poles in the left half, and so has
+                                           ///< alpha room left with S_h and S_e
+  control::Performance performance;        ///< (8) and (9)
+  double band_rad_per_s = 0.0, epsilon = 0.0;
+  control::SmallGain small_gain;        ///< (15)
+  double nonlinear_gain_N_per_m = 0.0;  ///< lambda_Delta of the scenario's cubic spring within its workspace
 };
-SevenBarMargins seven_bar_margins();
+/// Of a scenario, at its pose; milliseconds. Throws InputError for a pose without one.
+SevenBarMargins seven_bar_margins(const models::Scenario& scenario);
 
 nlohmann::ordered_json to_json(const SevenBarMargins& result);
 std::string to_text(const SevenBarMargins& result);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 
 namespace handloop::control {
 
@@ -16,14 +17,33 @@ struct MechanismState {
   Eigen::Matrix3d mass_matrix_kg_m2 = Eigen::Matrix3d::Zero();
 };
 
+/// Permitted joint angles, rad, and of the difference joint[to] - joint[from] (a parallelogram's own limit).
+struct JointRange {
+  static constexpr double kAny = std::numeric_limits<double>::infinity();
+  Eigen::Vector3d lower_rad = Eigen::Vector3d::Constant(-kAny), upper_rad = Eigen::Vector3d::Constant(kAny);
+  int from = 0, to = 0;
+  double lower_difference_rad = -kAny, upper_difference_rad = kAny;
+};
+
 /// Kinematics and gravity as a controller knows them: what it computes from joint angles. Immutable.
 class Mechanism {
  public:
   virtual ~Mechanism() = default;
   /// Real-time safe: allocates nothing, never throws. Non-finite angles give a non-finite state.
   virtual MechanismState at(const Eigen::Vector3d& joint_rad) const noexcept = 0;
-  /// Largest gravity torque each joint ever needs, Nm: a bound on the feed-forward.
-  virtual Eigen::Vector3d gravity_bound_Nm() const noexcept = 0;
+  /// Largest torque beside that of the tip force each joint may ever be asked for, Nm.
+  virtual Eigen::Vector3d feedforward_bound_Nm() const noexcept = 0;
+  /// Where the joints may be.
+  virtual JointRange joint_range() const noexcept { return {}; }
+  /// Force of the device on the hand in the device frame, N, from what the sensor says along its own axes.
+  virtual Eigen::Vector3d hand_force_N(const Eigen::Vector3d&, const Eigen::Vector3d& sensed_N) const noexcept {
+    return sensed_N;
+  }
+  /// Force of the device on its environment as it counts at the tip, N, the weight of the load left out; zero for a
+  /// device without an environment sensor.
+  virtual Eigen::Vector3d environment_force_N(const Eigen::Vector3d&, const Eigen::Vector3d& sensed_N) const noexcept {
+    return sensed_N;
+  }
 };
 
 }  // namespace handloop::control

@@ -34,9 +34,21 @@ MechanismState PhantomMechanism::at(const Eigen::Vector3d& joint_rad) const noex
   return state;
 }
 
+JointRange PhantomMechanism::joint_range() const noexcept {
+  const auto limits = models::phantom_limits();
+  JointRange range;
+  range.lower_rad = {limits.lower_rad[0], limits.lower_rad[1], limits.lower_rad[2]};
+  range.upper_rad = {limits.upper_rad[0], limits.upper_rad[1], limits.upper_rad[2]};
+  range.from = 1;
+  range.to = 2;
+  range.lower_difference_rad = limits.lower_difference_rad;
+  range.upper_difference_rad = limits.upper_difference_rad;
+  return range;
+}
+
 std::unique_ptr<Mechanism> make_mechanism(const models::DeviceSettings& device) {
   if (device.model != models::DeviceModel::phantom_premium_1_5) {
-    throw InputError("device.model: only phantom_premium_1_5 has a controller so far");
+    throw InputError("device.model: this needs phantom_premium_1_5; a seven-bar linkage goes with run and margins");
   }
   return std::make_unique<PhantomMechanism>(
       models::phantom_parameters(device.parameter_set, device.stylus_mass_kg),

@@ -15,7 +15,9 @@ class PhantomMechanism final : public Mechanism {
   PhantomMechanism(const models::PhantomParameters& lengths, const models::PhantomParameters& masses,
                    bool counterbalanced);
   MechanismState at(const Eigen::Vector3d& joint_rad) const noexcept override;
-  Eigen::Vector3d gravity_bound_Nm() const noexcept override { return bound_; }
+  /// Gravity in the worst pose and 10 %.
+  Eigen::Vector3d feedforward_bound_Nm() const noexcept override { return bound_; }
+  JointRange joint_range() const noexcept override;
 
  private:
   models::PhantomParameters lengths_, masses_;

@@ -110,7 +110,7 @@ TEST(VirtualWall, FeedsGravityForwardWhereAskedTo) {
 
 TEST(PhantomMechanism, BoundsTheGravityOfEveryPose) {
   const auto mechanism = make_mechanism({});
-  const Eigen::Vector3d bound = mechanism->gravity_bound_Nm();
+  const Eigen::Vector3d bound = mechanism->feedforward_bound_Nm();
   for (double q2 = -2.0; q2 < 2.0; q2 += 0.1) {
     for (double q3 = -0.5; q3 < 3.7; q3 += 0.1) {
       const Eigen::Vector3d torque = mechanism->at({0.3, q2, q3}).gravity_torque_Nm.cwiseAbs();

@@ -25,7 +25,7 @@ class FakeMechanism final : public control::Mechanism {
     state.mass_matrix_kg_m2 = kMass_kg * kLever_m * kLever_m * Eigen::Matrix3d::Identity();
     return state;
   }
-  Eigen::Vector3d gravity_bound_Nm() const noexcept override { return {0.0, 0.06, 0.0}; }
+  Eigen::Vector3d feedforward_bound_Nm() const noexcept override { return {0.0, 0.06, 0.0}; }
 };
 
 /// A mass held by a hand (spring and damper to a rest, and a push) on each of three axes, behind encoders, DAC and ADC.

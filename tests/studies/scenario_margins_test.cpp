@@ -95,10 +95,10 @@ TEST(ScenarioMargins, WriteAReportAndTheWorstArms) {
 }
 
 TEST(SevenBarMargins, AreStableWhereTheExperimentWas) {
-  const auto r = seven_bar_margins();
-  EXPECT_TRUE(r.loops[0].result.margins.stable);
-  EXPECT_TRUE(r.loops[1].result.margins.stable);
-  EXPECT_FALSE(r.loops[2].result.margins.stable);
+  const auto r = seven_bar_margins(io::read_scenario(HANDLOOP_SOURCE_DIR "/scenes/seven_bar.toml"));
+  EXPECT_TRUE(r.printed[0].result.margins.stable);
+  EXPECT_TRUE(r.printed[1].result.margins.stable);
+  EXPECT_FALSE(r.printed[2].result.margins.stable);
   EXPECT_NEAR(r.alpha_limit, 12.49, 0.01);
 }
 
