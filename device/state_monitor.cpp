@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "device/scales.h"
+
 namespace handloop::device {
 namespace {
 
@@ -11,10 +13,6 @@ constexpr double kRateCutoff_Hz = 200.0;
 constexpr double kAccelerationCutoff_Hz = 100.0;
 constexpr double kResidualCutoff_Hz = 50.0;
 constexpr double kNudge_rad = 1e-4;
-
-double kept(double cutoff_Hz, double time_s) {
-  return std::exp(-2.0 * std::numbers::pi * cutoff_Hz * time_s);
-}
 
 FaultEvent found(Fault fault, double value, double limit) {
   return {fault, 0, 0, value, limit};
@@ -50,7 +48,7 @@ void StateMonitor::reset() noexcept {
 FaultEvent StateMonitor::check(const JointSample& sample, std::uint64_t samples) noexcept {
   const double step_s = sample_time_s_ * static_cast<double>(std::max<std::uint64_t>(samples, 1));
   if (!started_) last_q_ = sample.joint_rad;
-  const double keep = kept(kRateCutoff_Hz, step_s), keep_slow = kept(kAccelerationCutoff_Hz, step_s);
+  const double keep = filter_pole(kRateCutoff_Hz, step_s), keep_slow = filter_pole(kAccelerationCutoff_Hz, step_s);
   const Eigen::Vector3d before = rate_;
   rate_ = keep * rate_ + (1.0 - keep) * (sample.joint_rad - last_q_) / step_s;
   acceleration_ = keep_slow * acceleration_ + (1.0 - keep_slow) * (rate_ - before) / step_s;
