@@ -133,11 +133,11 @@ double simulated_growth_per_s(const models::Scenario& scenario, std::size_t axis
   what.muscle = [row](double t) -> Vector2d { return (t < 0.004 ? 2.0 : 0.0) * Vector2d::Unit(row); };
   const auto trace = simulate(what);
   const auto& force = trace.hand_N[axis];
-  // Differences leave the slow part of the answer behind.
+  // Second differences leave the slow part of the answer behind.
   const auto size_over = [&](double from_s, double to_s) {
     double sum = 0;
-    for (std::size_t k = 1; k < force.size(); ++k) {
-      const double change = force[k] - force[k - 1];
+    for (std::size_t k = 2; k < force.size(); ++k) {
+      const double change = force[k] - 2 * force[k - 1] + force[k - 2];
       if (trace.t_s[k] >= from_s && trace.t_s[k] < to_s) sum += change * change;
     }
     return std::sqrt(sum);

@@ -181,7 +181,7 @@ SevenBarEvidence seven_bar_evidence(const models::Scenario& scenario) {
   const double near = evidence.margins.axes[1].modelled ? evidence.margins.axes[1].modelled->factor : 12.0;
   evidence.simulated_limit_y = simulated_alpha_limit(scenario, 1, near);
   auto changed = scenario;
-  for (const double alpha : {8.0, 9.0, 10.0, 11.0, 12.0}) {
+  for (const double alpha : {10.0, 10.5, 11.0, 11.5, 12.0}) {
     changed.force_amplifier.alpha_yy = {0, 0, 0, alpha};
     evidence.growth.emplace_back(alpha, simulated_growth_per_s(changed, 1));
   }

@@ -42,7 +42,9 @@ Seen sway(std::string_view fault, const Motion& motion) {
   DeviceDescription believed = plant.description();
   for (auto& torque : believed.torque_Nm_per_A) torque *= motion.torque_factor;
   for (auto& scale : believed.analog_N_per_V) scale *= motion.sensor_factor;
-  Loop loop({}, believed, mechanism, wall);
+  LoopConfig config;
+  config.states.against_model = false;  // which would find most of it first
+  Loop loop(config, believed, mechanism, wall);
   device.start();
   for (int i = 0; i < 6000 && loop.fault().fault == Fault::none; ++i) loop.step(device);
   const auto& event = loop.fault();

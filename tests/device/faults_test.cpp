@@ -135,7 +135,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         Expected{"encoder_jump_large", Fault::encoder_jump}, Expected{"encoder_jump_small", Fault::encoder_jump},
         Expected{"encoder_random", Fault::encoder_jump}, Expected{"all_bits_set", Fault::encoder_jump},
-        Expected{"encoder_shaking", Fault::encoder_jump}, Expected{"encoder_drift", Fault::workspace},
+        Expected{"encoder_shaking", Fault::model_mismatch}, Expected{"encoder_drift", Fault::workspace},
         Expected{"sensor_high", Fault::contact_force}, Expected{"sensor_low", Fault::contact_force},
         Expected{"sensor_out_of_range", Fault::contact_force}, Expected{"no_reading", Fault::no_reading},
         Expected{"reading_frozen", Fault::no_reading}, Expected{"sample_number_ahead", Fault::loop_stalled},

@@ -78,7 +78,7 @@ TEST(SevenBarPlant, HandForceIsTheMuscleForceLessTheImpedance) {
     last_velocity = now.handle_m_per_s;
     const Vector2d expected = Vector2d(6 * std::sin(5 * t), 9 * std::sin(7 * t)) - H.mass_kg * acceleration -
                               H.damping_Ns_per_m * before.handle_m_per_s - H.stiffness_N_per_m * before.handle_m;
-    worst = std::max(worst, (now.hand_force_N - expected).norm());
+    if (k > 20) worst = std::max(worst, (now.hand_force_N - expected).norm());
   }
   EXPECT_LT(worst, 0.02);  // N of up to 9; the mean over a sample against its end
 }

@@ -95,7 +95,8 @@ TEST(ScenarioMargins, WriteAReportAndTheWorstArms) {
 }
 
 TEST(SevenBarMargins, AreStableWhereTheExperimentWas) {
-  const auto r = seven_bar_margins(io::read_scenario(HANDLOOP_SOURCE_DIR "/scenes/seven_bar.toml"));
+  const auto r =
+      seven_bar_margins(io::read_scenario(std::filesystem::path(HANDLOOP_SOURCE_DIR) / "scenes/seven_bar.toml"));
   EXPECT_TRUE(r.printed[0].result.margins.stable);
   EXPECT_TRUE(r.printed[1].result.margins.stable);
   EXPECT_FALSE(r.printed[2].result.margins.stable);
