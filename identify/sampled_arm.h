@@ -3,21 +3,12 @@
 #include <array>
 #include <complex>
 #include <span>
-#include <string_view>
 #include <vector>
 
+#include "identify/hold.h"
 #include "models/arm.h"
 
 namespace handloop::identify {
-
-/// What the force does between two samples of the recording, as the arm felt it.
-enum class Hold {
-  continuous,  ///< smooth: a band-limited signal that was merely sampled
-  zero_order,  ///< constant until the next sample: a command through a DAC straight onto the hand
-  first_order  ///< straight lines between samples
-};
-
-std::string_view hold_name(Hold hold);
 
 /// Frequency response from the sampled force to the sampled position of the arm of eq. (1), exact for its hold: the
 /// pulse transfer function at z = exp(j w T), or eq. (1) itself at s = j w where the force is continuous. Taking a held

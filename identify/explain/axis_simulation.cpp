@@ -394,6 +394,30 @@ Trajectory simulate_force(const AxisModel& model, const GripMotion& recorded, co
   return run;
 }
 
+Trajectory recorded_motion(const AxisModel& model, const GripMotion& grip, std::span<const double> force_N,
+                           const SimulationOptions& options) {
+  Trajectory run;
+  run.joint = {grip.position_m, grip.velocity_m_per_s};
+  run.arm = run.joint;
+  if (model.base == BaseModel::msd) return run;
+  const double mass = place_mass(model, Place::grasp) + place_mass(model, Place::joint);
+  const double k1 = model.arm.k1_N_per_m, b1 = std::max(model.arm.b1_Ns_per_m, kSmallestDamping);
+  const auto through = [&](std::size_t i) { return force_N[i] - mass * grip.acceleration_m_per_s2[i]; };
+  const auto decay = discretise_decay(k1 / b1, 1 / b1, options.sample_time_s);
+  run.grasp.resize(force_N.size());
+  double extension = 0;
+  for (std::size_t i = 0; i < force_N.size(); ++i) {
+    const double rate = (through(i) - k1 * extension) / b1;
+    run.grasp.x_m[i] = extension;
+    run.grasp.v_m_per_s[i] = rate;
+    run.arm.x_m[i] -= extension;
+    run.arm.v_m_per_s[i] -= rate;
+    if (i + 1 < force_N.size())
+      extension = decay.transition * extension + decay.at_start * through(i) + decay.at_end * through(i + 1);
+  }
+  return run;
+}
+
 std::vector<double> response_to_force(const AxisModel& model, Place place, std::span<const double> force,
                                       DrivenBy driven_by, const SimulationOptions& options) {
   const std::size_t samples = force.size();

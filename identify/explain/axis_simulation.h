@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "identify/hold.h"
 #include "models/axis_model.h"
 
 /// Simulation of one axis under a recorded input, made for fitting: the linear part of the model is stepped exactly,
@@ -14,9 +15,6 @@ enum class DrivenBy {
   force,    ///< the recorded force goes in, the position of the grip comes out
   position  ///< the recorded motion goes in, the force at the grip comes out (inverse model)
 };
-
-/// What the recorded force does between its samples.
-enum class Hold { zero_order, first_order };
 
 /// Motion of the grip as the inverse model needs it, one entry a sample.
 struct GripMotion {
@@ -61,6 +59,11 @@ Trajectory simulate_position(const models::AxisModel& model, std::span<const dou
 
 /// Force at the grip that the recorded motion takes.
 Trajectory simulate_force(const models::AxisModel& model, const GripMotion& grip, const SimulationOptions& options);
+
+/// Motion at the places as the record shows it: the grip as measured, the grasp stretched by the recorded force through
+/// k1 and b1, the arm behind it. `output` stays empty; effects are not asked.
+Trajectory recorded_motion(const models::AxisModel& model, const GripMotion& grip, std::span<const double> force_N,
+                           const SimulationOptions& options);
 
 /// Output of the model's linear part under an extra resisting force at a place: what a small force there changes.
 std::vector<double> response_to_force(const models::AxisModel& model, models::Place place,

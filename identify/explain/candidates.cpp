@@ -57,11 +57,7 @@ std::vector<FreeParameter> effect_parameters(const models::Effect& effect, int n
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const auto& parameter = parameters[i];
     if (parameter.search.role == Role::choice) continue;
-    if (effect.info().name == "offset" && (parameter.name == "force_N") != (effect.place() == Place::actuator))
-      continue;
-    if (effect.info().name == "parameter_drift" && effect.place() == Place::grasp &&
-        parameter.name == "mass_rate_kg_per_s")
-      continue;
+    if (!effect.uses(i)) continue;
     FreeParameter p{
         std::string(parameter.name), number, static_cast<int>(i), parameter.lower, parameter.upper, false, 1.0};
     if (parameter.search.role == Role::shape) {
@@ -124,10 +120,11 @@ double block_statistic(const Eigen::VectorXd& residual, const Eigen::VectorXd& d
 template <class Visit>
 void for_each_start(const Variant& variant, const MotionScale& scale, Visit&& visit) {
   const auto& parameters = variant.type->info.parameters;
+  const auto effect = models::make_effect(variant.type->info.name, variant.place, variant.values);
   std::vector<std::size_t> shapes;
   std::vector<std::vector<double>> values;
   for (std::size_t i = 0; i < parameters.size(); ++i) {
-    if (parameters[i].search.role != Role::shape) continue;
+    if (parameters[i].search.role != Role::shape || !effect->uses(i)) continue;
     shapes.push_back(i);
     values.push_back(starts(parameters[i], scale));
   }
@@ -173,11 +170,13 @@ std::vector<Variant> search_variants(const AxisModel& model, DrivenBy driven_by)
       Variant variant{&type, place, {}};
       std::vector<std::pair<std::size_t, std::vector<double>>> choices;
       for (std::size_t i = 0; i < info.parameters.size(); ++i) {
-        const auto& [role, from, to, points, scale] = info.parameters[i].search;
+        const auto& search = info.parameters[i].search;
         variant.values.push_back(info.parameters[i].typical);
-        if (role != Role::choice) continue;
+        if (search.role != Role::choice) continue;
         std::vector<double> values;
-        for (int k = 0; k < points; ++k) values.push_back(points > 1 ? from + (to - from) * k / (points - 1) : from);
+        for (int k = 0; k < search.points; ++k)
+          values.push_back(search.points > 1 ? search.from + (search.to - search.from) * k / (search.points - 1)
+                                             : search.from);
         choices.emplace_back(i, values);
       }
       std::vector<Variant> chosen{variant};
@@ -200,6 +199,9 @@ std::vector<Variant> search_variants(const AxisModel& model, DrivenBy driven_by)
 std::vector<ScanResult> scan(const Prediction& given, const Hypothesis& from, const std::vector<Variant>& variants) {
   const Prediction prediction = with_hold(given, from.hold);
   const auto motion = prediction.run(from.model, true);
+  // A missing effect acts along the true motion, which a poor model does not make: the recorded one is nearer to it,
+  // the simulated one free of noise.
+  const auto recorded = prediction.recorded_motion(from.model);
   const Eigen::VectorXd residual = as_vector(prediction.train_residual(from.model));
   const OwnDirections own(sensitivity(prediction, from.model, from.free));
   const Eigen::VectorXd left = own.remove(residual);
@@ -214,9 +216,10 @@ std::vector<ScanResult> scan(const Prediction& given, const Hypothesis& from, co
   for (const auto& variant : variants) {
     const auto& parameters = variant.type->info.parameters;
     const auto scale = scale_at(motion, variant.place);
+    const auto sample = models::make_effect(variant.type->info.name, variant.place, variant.values);
     std::vector<std::size_t> gains;
     for (std::size_t i = 0; i < parameters.size(); ++i) {
-      if (parameters[i].search.role == Role::gain) gains.push_back(i);
+      if (parameters[i].search.role == Role::gain && sample->uses(i)) gains.push_back(i);
     }
     ScanResult best{variant, -1.0};
     std::size_t starts_tried = 0;
@@ -226,8 +229,7 @@ std::vector<ScanResult> scan(const Prediction& given, const Hypothesis& from, co
       if (gains.empty() || on_signal) {
         // no gain to scale by: a whole step with the parameters as they are
         if (on_signal && !gains.empty()) {
-          const std::size_t gain = variant.place == Place::actuator ? gains.front() : gains.back();
-          trial[gain] = variant.place == Place::actuator ? 0.05 * input_rms : 0.05 * scale.x;
+          trial[gains.front()] = variant.place == Place::actuator ? 0.05 * input_rms : 0.05 * scale.x;
         }
         const auto moved = prediction.train_residual(with_effect(from.model, {variant.type, variant.place, trial}));
         if (moved.size() != static_cast<std::size_t>(residual.size())) return;
@@ -239,45 +241,49 @@ std::vector<ScanResult> scan(const Prediction& given, const Hypothesis& from, co
         const double share = admissible ? along * along / size / power : 0.0;
         if (share > best.share) {
           if (!gains.empty()) {
-            const std::size_t gain = variant.place == Place::actuator ? gains.front() : gains.back();
-            trial[gain] *= along / size;
+            trial[gains.front()] *= along / size;
           }
           best = {{variant.type, variant.place, trial}, share, block_statistic(left, along * direction, block)};
         }
         return;
       }
-      // forces are proportional to their gains: one response each, gains by least squares
-      Eigen::MatrixXd directions(residual.size(), static_cast<Eigen::Index>(gains.size()));
-      std::vector<double> reference(gains.size());
-      for (std::size_t g = 0; g < gains.size(); ++g) {
-        auto alone = trial;
-        for (const std::size_t other : gains) alone[other] = 0.0;
-        reference[g] = std::clamp(1.0, parameters[gains[g]].lower, parameters[gains[g]].upper);
-        alone[gains[g]] = reference[g];
-        const auto effect = models::make_effect(variant.type->info.name, variant.place, alone);
-        const auto response = first_order_response(from.model, motion, *effect, prediction.driven_by(), settings);
-        directions.col(static_cast<Eigen::Index>(g)) = own.remove(as_vector(prediction.filtered_train(response)));
+      for (const Trajectory* felt : {&motion, &recorded}) {
+        if (felt == &recorded && prediction.driven_by() == DrivenBy::position) break;
+        // forces are proportional to their gains: one response each, gains by least squares
+        Eigen::MatrixXd directions(residual.size(), static_cast<Eigen::Index>(gains.size()));
+        std::vector<double> reference(gains.size());
+        for (std::size_t g = 0; g < gains.size(); ++g) {
+          auto alone = trial;
+          for (const std::size_t other : gains) alone[other] = 0.0;
+          reference[g] = std::clamp(1.0, parameters[gains[g]].lower, parameters[gains[g]].upper);
+          alone[gains[g]] = reference[g];
+          const auto effect = models::make_effect(variant.type->info.name, variant.place, alone);
+          const auto response = first_order_response(from.model, *felt, *effect, prediction.driven_by(), settings);
+          directions.col(static_cast<Eigen::Index>(g)) = own.remove(as_vector(prediction.filtered_train(response)));
+        }
+        auto found = trial;
+        // solve in unit-norm columns; a column that does nothing gets nothing
+        Eigen::VectorXd size(directions.cols());
+        for (Eigen::Index g = 0; g < directions.cols(); ++g) {
+          size[g] = directions.col(g).norm();
+          if (size[g] > 0 && std::isfinite(size[g]))
+            directions.col(g) /= size[g];
+          else
+            directions.col(g).setZero();
+        }
+        Eigen::VectorXd coefficients = directions.colPivHouseholderQr().solve(left);
+        for (Eigen::Index g = 0; g < coefficients.size(); ++g) {
+          const auto& parameter = parameters[gains[static_cast<std::size_t>(g)]];
+          const double value = size[g] > 0 ? coefficients[g] / size[g] * reference[static_cast<std::size_t>(g)] : 0.0;
+          const double possible = std::clamp(value, parameter.lower, parameter.upper);
+          if (possible != value) coefficients[g] = 0;  // not admissible: this gain stays at its bound
+          found[gains[static_cast<std::size_t>(g)]] = possible;
+        }
+        const Eigen::VectorXd taken = directions * coefficients;
+        const double share = (2 * left.dot(taken) - taken.squaredNorm()) / power;
+        if (share > best.share)
+          best = {{variant.type, variant.place, found}, share, block_statistic(left, taken, block)};
       }
-      // solve in unit-norm columns; a column that does nothing gets nothing
-      Eigen::VectorXd size(directions.cols());
-      for (Eigen::Index g = 0; g < directions.cols(); ++g) {
-        size[g] = directions.col(g).norm();
-        if (size[g] > 0 && std::isfinite(size[g]))
-          directions.col(g) /= size[g];
-        else
-          directions.col(g).setZero();
-      }
-      Eigen::VectorXd coefficients = directions.colPivHouseholderQr().solve(left);
-      for (Eigen::Index g = 0; g < coefficients.size(); ++g) {
-        const auto& parameter = parameters[gains[static_cast<std::size_t>(g)]];
-        const double value = size[g] > 0 ? coefficients[g] / size[g] * reference[static_cast<std::size_t>(g)] : 0.0;
-        const double possible = std::clamp(value, parameter.lower, parameter.upper);
-        if (possible != value) coefficients[g] = 0;  // not admissible: this gain stays at its bound
-        trial[gains[static_cast<std::size_t>(g)]] = possible;
-      }
-      const Eigen::VectorXd taken = directions * coefficients;
-      const double share = (2 * left.dot(taken) - taken.squaredNorm()) / power;
-      if (share > best.share) best = {{variant.type, variant.place, trial}, share, block_statistic(left, taken, block)};
     });
     best.starts = starts_tried;
     if (best.share >= 0) results.push_back(best);

@@ -22,6 +22,9 @@ bool force_is_reversed(const models::Recording& recording) {
   const double h = recording.sample_time_s;
   const auto x = smoothed(recording.position_m, 15.0, h), f = smoothed(recording.force_N, 15.0, h);
   const auto v = derivative(x, h), a = derivative(v, h);
+  // whatever a plant stores it gives back, what it dissipates it does not: the mean power tells the sign
+  const double power = correlation(f, v);
+  if (std::abs(power) > 0.1) return power < 0;
   Eigen::MatrixXd columns(x.size(), 4);
   for (std::size_t i = 0; i < x.size(); ++i) columns.row(static_cast<Eigen::Index>(i)) << a[i], v[i], x[i], 1.0;
   const Eigen::VectorXd c = columns.colPivHouseholderQr().solve(

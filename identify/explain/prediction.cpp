@@ -112,6 +112,17 @@ Trajectory Prediction::run(const models::AxisModel& model, bool keep_motion, boo
   return run(fit_, model, 0, whole ? fit_.recording.size() : train_samples_, keep_motion);
 }
 
+Trajectory Prediction::recorded_motion(const models::AxisModel& model) const {
+  if (driven_by_ == DrivenBy::position) return run(model, true);
+  constexpr double kBandwidth_Hz = 40.0;  // above it the derivative is noise
+  const double h = sample_time_s();
+  GripMotion grip;
+  grip.position_m = smoothed(part(fit_.recording.position_m, 0, train_samples_), kBandwidth_Hz, h);
+  grip.velocity_m_per_s = derivative(grip.position_m, h);
+  grip.acceleration_m_per_s2 = derivative(grip.velocity_m_per_s, h);
+  return identify::recorded_motion(model, grip, part(fit_.recording.force_N, 0, train_samples_), options(true));
+}
+
 std::vector<double> Prediction::filtered_train(std::span<const double> signal) const {
   const double h = sample_time_s();
   const auto filtered = high_passed(signal, filter_.high_pass_Hz, h);

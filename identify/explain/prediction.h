@@ -56,6 +56,9 @@ class Prediction {
 
   /// Free run over the fitting part; the whole recording where `whole` is set.
   Trajectory run(const models::AxisModel& model, bool keep_motion, bool whole = false) const;
+  /// Motion over the fitting part as recorded, not simulated, where positions are predicted: what a missing effect
+  /// really felt, noise included. Where forces are predicted, the same as run().
+  Trajectory recorded_motion(const models::AxisModel& model) const;
   /// Measured minus simulated over the fitting part, filtered and thinned. Empty where the run diverged.
   std::vector<double> train_residual(const models::AxisModel& model) const;
   /// The same filter on any signal over the fitting part (length train_samples()).

@@ -7,7 +7,9 @@
 #include <cmath>
 #include <set>
 
+#include "identify/arm_fit.h"
 #include "identify/explain/signals.h"
+#include "identify/spectra.h"
 #include "models/errors.h"
 
 namespace handloop::identify {
@@ -27,6 +29,20 @@ models::MsdParameters regress_msd(const models::Recording& recording, double ban
   const Eigen::VectorXd solution = columns.colPivHouseholderQr().solve(
       Eigen::Map<const Eigen::VectorXd>(f.data(), static_cast<Eigen::Index>(f.size())));
   return {solution[0], solution[1], solution[2]};
+}
+
+/// Arms that the recording's frequency response asks for. Unlike a simulation error it has no valley at "no motion at
+/// all", in which a fit ends whose resonance begins far from the true one.
+std::vector<models::ArmParameters> arms_from_response(const models::Recording& recording) {
+  try {
+    ArmFitSettings settings;
+    settings.sample_time_s = recording.sample_time_s;
+    const auto spectra = welch(recording.force_N, recording.position_m, recording.sample_time_s,
+                               long_segment_settings(recording.size(), recording.sample_time_s));
+    return arm_candidates(frequency_response(spectra), settings, 3);
+  } catch (const InputError&) {
+    return {};  // too short a record for a spectrum
+  }
 }
 
 void report(const SearchOptions& options, double share, const std::string& what) {
@@ -57,8 +73,8 @@ bool stands_in(const Hypothesis& hypothesis) {
     const auto& p = hypothesis.free[i];
     if (p.effect < 0) continue;
     const auto& search = hypothesis.model.effects[p.effect]->info().parameters[p.index].search;
-    const bool telling = search.role == models::Role::shape && search.scale == models::Scale::absolute &&
-                         p.name != "cutoff_Hz" && p.name != "damping_ratio";
+    const bool telling =
+        search.role == models::Role::shape && search.scale == models::Scale::absolute && !search.edge_allowed;
     const double value = values[static_cast<Eigen::Index>(i)];
     if (telling && (value <= 1.01 * p.lower || value >= 0.99 * p.upper)) return true;
   }
@@ -85,6 +101,10 @@ Hypothesis fit_base(Prediction& prediction, BaseModel base, models::Axis axis) {
   model.rotary = prediction.recording().rotary;
   if (base == BaseModel::arm5) {
     for (const auto& arm : kUsualArms) {
+      model.arm = arm;
+      starts.push_back(model);
+    }
+    for (const auto& arm : arms_from_response(prediction.recording())) {
       model.arm = arm;
       starts.push_back(model);
     }

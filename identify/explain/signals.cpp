@@ -134,4 +134,11 @@ double standard_deviation(std::span<const double> signal) {
   return signal.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(signal.size()));
 }
 
+double correlation(std::span<const double> a, std::span<const double> b) {
+  const double mean_a = mean(a), mean_b = mean(b), scale = standard_deviation(a) * standard_deviation(b);
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - mean_a) * (b[i] - mean_b);
+  return scale > 0 ? sum / static_cast<double>(a.size()) / scale : 0.0;
+}
+
 }  // namespace handloop::identify

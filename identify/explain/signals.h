@@ -27,5 +27,7 @@ std::vector<double> derivative(std::span<const double> signal, double sample_tim
 double rms(std::span<const double> signal);
 double mean(std::span<const double> signal);
 double standard_deviation(std::span<const double> signal);
+/// Coefficient of correlation of two signals of one length, -1 to 1; 0 where one of them is constant.
+double correlation(std::span<const double> a, std::span<const double> b);
 
 }  // namespace handloop::identify

@@ -42,6 +42,8 @@ struct Search {
   double to = 0.0;
   int points = 1;
   Scale scale = Scale::absolute;
+  /// May a fit end at the edge of the range? Where not, it is taken for another effect in disguise.
+  bool edge_allowed = false;
 };
 
 /// One parameter of an effect, as it stands in model files.
@@ -124,6 +126,8 @@ class Effect {
   /// In the order of info().parameters.
   std::span<const double> parameters() const { return values_; }
   double parameter(std::string_view key) const;
+  /// False for a parameter that does nothing at this place or with the choices made.
+  virtual bool uses(std::size_t /*parameter*/) const { return true; }
 
   // ---- as a force between two points -----------------------------------------------------------------------------
   /// Number of internal states (bristle, relaxing spring, filter); all start at zero.

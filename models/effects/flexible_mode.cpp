@@ -27,7 +27,7 @@ const EffectInfo kInfo{
           15.0,
           "with the place held fast",
           {Role::shape, 2, 40, 12, Scale::absolute}},
-         {"damping_ratio", "", 0.001, 2.0, 0.05, "of that mode", {Role::shape, 0.03, 0.3, 2, Scale::absolute}}},
+         {"damping_ratio", "", 0.001, 2.0, 0.05, "of that mode", {Role::shape, 0.03, 0.3, 2, Scale::absolute, true}}},
     .search_places = {Place::arm},
 };
 

@@ -20,6 +20,7 @@ class Offset final : public Effect {
  public:
   Offset(Place place, std::span<const double> values) : Effect(kInfo, place, values) {}
   double signal_addition(double) const override { return place() == Place::actuator ? value(0) : value(1); }
+  bool uses(std::size_t parameter) const override { return parameter == (place() == Place::actuator ? 0 : 1); }
   LinearElement linearise(const OperatingPoint&, const PortBase&) const override {
     return {.numerator = {1.0}, .denominator = {1.0}};
   }

@@ -23,7 +23,7 @@ const EffectInfo kInfo{
         {{"velocity_gain_Ns_per_m", "Ns/m", -1e5, 1e5, 2.0, "resisting force for a stretch velocity"},
          {"position_gain_N_per_m", "N/m", -1e6, 1e6, 0.0, "resisting force for a stretch"},
          {"delay_s", "s", 0.01, 0.2, 0.04, "from stretch to force", {Role::shape, 0.012, 0.1, 7, Scale::absolute}},
-         {"cutoff_Hz", "Hz", 0.2, 100.0, 5.0, "of muscle activation", {Role::shape, 0.7, 20, 4, Scale::absolute}},
+         {"cutoff_Hz", "Hz", 0.2, 100.0, 5.0, "of muscle activation", {Role::shape, 0.7, 20, 4, Scale::absolute, true}},
          {"order", "", 1.0, 2.0, 1.0, "of the low-pass, 1 or 2", {Role::choice, 1, 2, 2, Scale::absolute}},
          {"direction",
           "",

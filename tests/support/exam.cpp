@@ -78,6 +78,15 @@ double number_at(const nlohmann::json& json, const char* group, const char* key)
   return json[group][key].get<double>();
 }
 
+/// User and system seconds as `time -p` of the shell wrote them.
+double processor_seconds(const std::filesystem::path& path) {
+  std::ifstream stream(path);
+  double sum = 0, value = 0;
+  for (std::string word; stream >> word >> value;) sum += word == "user" || word == "sys" ? value : 0.0;
+  std::filesystem::remove(path);
+  return sum;
+}
+
 double median(std::vector<double> values) {
   if (values.empty()) return 0;
   std::sort(values.begin(), values.end());
@@ -122,7 +131,12 @@ ExamResult examine(const std::filesystem::path& program, const PlantedRecording&
   result.file = name;
   result.group = recording.group;
   result.catalogued = recording.catalogued;
-  for (const PlantedEffect& effect : recording.truth) result.planted.push_back(effect.name);
+  for (const PlantedEffect& effect : recording.truth) {
+    result.planted.push_back(effect.name);
+    result.variant += (result.variant.empty() ? "" : " + ") + effect.variant;
+    for (const auto& [key, value] : effect.parameters) result.variant += format(" %s=%.3g", key.c_str(), value);
+  }
+  for (const auto& [key, value] : recording.base_parameters) result.base += format(" %s=%.4g", key.c_str(), value);
   result.floor = recording.rmse_floor;
   result.base_here = recording.rmse_base;
 
@@ -133,9 +147,10 @@ ExamResult examine(const std::filesystem::path& program, const PlantedRecording&
                         " --driven-by " + recording.driven_by + " --out '" + out.string() + "'";
   if (recording.rotary) command += " --force torque_Nm --position angle_rad";
   command += " >'" + log.string() + "' 2>&1";
-  const auto begin = std::chrono::steady_clock::now();
-  const int status = std::system(command.c_str());
-  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  // processor time of the program alone: the machine may be busy with others
+  const std::filesystem::path times = work / (name + ".times");
+  const int status = std::system(("{ time -p " + command + " ; } 2>'" + times.string() + "'").c_str());
+  result.seconds = processor_seconds(times);
 
   std::ifstream stream(out / "explain.json");
   if (status != 0 || !stream) {
@@ -165,16 +180,17 @@ ExamResult examine(const std::filesystem::path& program, const PlantedRecording&
 
 std::string exam_line(const ExamResult& r) {
   if (!r.ran)
-    return format("%-8s %-7s %-38s FAILED: %s", r.file.c_str(), std::string(group_name(r.group)).c_str(),
-                  joined(r.planted).c_str(), r.message.substr(0, 200).c_str());
+    return format("%-8s %-7s %-38s FAILED: %s  [%s;%s]", r.file.c_str(), std::string(group_name(r.group)).c_str(),
+                  joined(r.planted).c_str(), r.message.substr(0, 200).c_str(), r.variant.c_str(), r.base.c_str());
   std::string rivals = r.indistinguishable.empty() ? "" : "  (~ " + joined(r.indistinguishable) + ")";
   const char* mark = r.group == PlantedGroup::outside      ? (r.verdict == "unexplained_residual" ? "ok" : "??")
                      : r.named() && r.false_effects() == 0 ? "ok"
                      : r.named()                           ? "+f"
                                                            : "NO";
-  return format("%-8s %-7s %-38s %-2s %-20s %-38s base/floor %6.2f  after/floor %6.3f  %5.1f s", r.file.c_str(),
-                std::string(group_name(r.group)).c_str(), joined(r.planted).c_str(), mark, r.verdict.c_str(),
-                joined(r.found).c_str(), r.floor > 0 ? r.before / r.floor : 0, r.after_over_floor(), r.seconds) +
+  return format("%-8s %-7s %-38s %-2s %-20s %-38s base/floor %6.2f  after/floor %6.3f  %5.1f s  [%s;%s]",
+                r.file.c_str(), std::string(group_name(r.group)).c_str(), joined(r.planted).c_str(), mark,
+                r.verdict.c_str(), joined(r.found).c_str(), r.floor > 0 ? r.before / r.floor : 0, r.after_over_floor(),
+                r.seconds, r.variant.c_str(), r.base.c_str()) +
          rivals;
 }
 

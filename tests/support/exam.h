@@ -15,6 +15,7 @@ struct ExamResult {
   std::string file;
   PlantedGroup group = PlantedGroup::none;
   std::vector<std::string> planted;
+  std::string variant, base;  ///< how it was planted and in which arm, for the eye
   bool catalogued = true;
   bool ran = false;  ///< false: the program failed; `message` says how
   std::string message;
@@ -24,7 +25,7 @@ struct ExamResult {
   double floor = 0, base_here = 0;             ///< this laboratory's: true model's error and its own base fit's
   double before = 0, after = 0;                ///< the program's held-out errors
   double claimed_floor = 0;
-  double seconds = 0;
+  double seconds = 0;  ///< of processor time
 
   /// One true parameter beside the interval that was given for it.
   struct Interval {
