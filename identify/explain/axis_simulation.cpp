@@ -394,6 +394,14 @@ Trajectory simulate_force(const AxisModel& model, const GripMotion& recorded, co
   return run;
 }
 
+std::vector<double> force_without_signal_effects(const AxisModel& model, std::span<const double> force_N,
+                                                 double sample_time_s) {
+  SignalChain chain(model);
+  chain.actuator_delay_s += chain.sensor_delay_s;
+  chain.actuator_lags_s.insert(chain.actuator_lags_s.end(), chain.sensor_lags_s.begin(), chain.sensor_lags_s.end());
+  return actuated(force_N, chain, sample_time_s);
+}
+
 Trajectory recorded_motion(const AxisModel& model, const GripMotion& grip, std::span<const double> force_N,
                            const SimulationOptions& options) {
   Trajectory run;

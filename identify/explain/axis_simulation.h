@@ -60,6 +60,11 @@ Trajectory simulate_position(const models::AxisModel& model, std::span<const dou
 /// Force at the grip that the recorded motion takes.
 Trajectory simulate_force(const models::AxisModel& model, const GripMotion& grip, const SimulationOptions& options);
 
+/// The recorded force as the plant would have to receive it for the recorded position, were there no delays, lags and
+/// offsets in the signals: those at the sensor are moved to the force, which for a linear plant is the same.
+std::vector<double> force_without_signal_effects(const models::AxisModel& model, std::span<const double> force_N,
+                                                 double sample_time_s);
+
 /// Motion at the places as the record shows it: the grip as measured, the grasp stretched by the recorded force through
 /// k1 and b1, the arm behind it. `output` stays empty; effects are not asked.
 Trajectory recorded_motion(const models::AxisModel& model, const GripMotion& grip, std::span<const double> force_N,

@@ -16,15 +16,6 @@ using models::Place;
 using models::Role;
 using models::Scale;
 
-struct MotionScale {
-  double x = 1e-3, v = 1e-2;
-};
-
-MotionScale scale_at(const Trajectory& motion, Place place) {
-  const auto& at = motion.at(place == Place::sensor || place == Place::actuator ? Place::arm : place);
-  return {std::max(standard_deviation(at.x_m), 1e-12), std::max(standard_deviation(at.v_m_per_s), 1e-12)};
-}
-
 double unit_of(const EffectParameter& parameter, const MotionScale& scale) {
   switch (parameter.search.scale) {
     case Scale::position:
@@ -116,9 +107,15 @@ double block_statistic(const Eigen::VectorXd& residual, const Eigen::VectorXd& d
   return squares > 0 ? sum / std::sqrt(squares) : 0.0;
 }
 
-/// Calls `visit` with every combination of shape starts.
-template <class Visit>
-void for_each_start(const Variant& variant, const MotionScale& scale, Visit&& visit) {
+}  // namespace
+
+MotionScale scale_at(const Trajectory& motion, Place place) {
+  const auto& at = motion.at(place == Place::sensor || place == Place::actuator ? Place::arm : place);
+  return {std::max(standard_deviation(at.x_m), 1e-12), std::max(standard_deviation(at.v_m_per_s), 1e-12)};
+}
+
+void for_each_start(const Variant& variant, const MotionScale& scale,
+                    const std::function<void(std::vector<double>)>& visit) {
   const auto& parameters = variant.type->info.parameters;
   const auto effect = models::make_effect(variant.type->info.name, variant.place, variant.values);
   std::vector<std::size_t> shapes;
@@ -139,7 +136,15 @@ void for_each_start(const Variant& variant, const MotionScale& scale, Visit&& vi
   }
 }
 
-}  // namespace
+std::vector<std::size_t> used_gains(const Variant& variant) {
+  const auto effect = models::make_effect(variant.type->info.name, variant.place, variant.values);
+  const auto& parameters = variant.type->info.parameters;
+  std::vector<std::size_t> gains;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    if (parameters[i].search.role == Role::gain && effect->uses(i)) gains.push_back(i);
+  }
+  return gains;
+}
 
 std::string Hypothesis::effect_names() const {
   std::string names;
@@ -216,11 +221,7 @@ std::vector<ScanResult> scan(const Prediction& given, const Hypothesis& from, co
   for (const auto& variant : variants) {
     const auto& parameters = variant.type->info.parameters;
     const auto scale = scale_at(motion, variant.place);
-    const auto sample = models::make_effect(variant.type->info.name, variant.place, variant.values);
-    std::vector<std::size_t> gains;
-    for (std::size_t i = 0; i < parameters.size(); ++i) {
-      if (parameters[i].search.role == Role::gain && sample->uses(i)) gains.push_back(i);
-    }
+    const auto gains = used_gains(variant);
     ScanResult best{variant, -1.0};
     std::size_t starts_tried = 0;
     for_each_start(variant, scale, [&](std::vector<double> trial) {
@@ -344,9 +345,9 @@ std::optional<Hypothesis> extend(const Prediction& prediction, const Hypothesis&
     keep(refit(prediction, with_gains(from.model.arm, share), options));
     if (!has_gain || (best && best->train_cost < 1.0001 * from.train_cost)) break;
   }
-  if (number == 0 && from.model.base == models::BaseModel::arm5) {
-    // Alone, the base model bends itself towards the missing effect, sometimes too far to find back: from a usual arm
-    // as well.
+  if (number == 0 && from.model.base == models::BaseModel::arm5 && variant.place == Place::grasp) {
+    // Alone, the base model bends itself towards the missing effect, sometimes too far to find back. At the grasp no
+    // force scan helps: from a usual arm as well.
     std::optional<Hypothesis> usual;
     for (const auto& arm : kUsualArms) {
       auto begun = refit(prediction, with_gains(arm, 0.7), {.most_iterations = 5, .tolerance = 1e-3});
@@ -355,6 +356,18 @@ std::optional<Hypothesis> extend(const Prediction& prediction, const Hypothesis&
     if (usual) keep(refit(prediction, *usual, options));
   }
   return best;
+}
+
+std::optional<Hypothesis> extend_from(const Prediction& prediction, const Hypothesis& from, const Variant& variant,
+                                      const models::ArmParameters& arm, const FitOptions& options) {
+  const auto motion = with_hold(prediction, from.hold).run(from.model, true);
+  Hypothesis extended = from;
+  extended.model.arm = arm;
+  extended.model = with_effect(extended.model, variant);
+  const int number = static_cast<int>(from.model.effects.size());
+  for (const auto& p : effect_parameters(*extended.model.effects.back(), number, scale_at(motion, variant.place)))
+    extended.free.push_back(p);
+  return refit(prediction, extended, options);
 }
 
 Hypothesis pruned(const Prediction& prediction, const Hypothesis& from) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -20,6 +21,18 @@ struct Variant {
   models::Place place = models::Place::arm;
   std::vector<double> values;  ///< in the order of the info's parameters; choices as chosen
 };
+
+/// Spread of the motion at a place, in which search ranges are measured.
+struct MotionScale {
+  double x = 1e-3, v = 1e-2;  ///< standard deviations, m and m/s
+};
+MotionScale scale_at(const Trajectory& motion, models::Place place);
+
+/// Calls `visit` with the variant's values for every combination of shape starts.
+void for_each_start(const Variant& variant, const MotionScale& scale,
+                    const std::function<void(std::vector<double>)>& visit);
+/// Indices of the parameters that the variant's force is proportional to.
+std::vector<std::size_t> used_gains(const Variant& variant);
 
 /// A model with the parameters that belong to it and how well it predicts.
 struct Hypothesis {
@@ -52,6 +65,9 @@ std::vector<ScanResult> scan(const Prediction& prediction, const Hypothesis& fro
 /// Adds the variant to the hypothesis and fits everything together. Nothing where no finite fit was found.
 std::optional<Hypothesis> extend(const Prediction& prediction, const Hypothesis& from, const Variant& variant,
                                  const FitOptions& options = {});
+/// The same from one given arm and the variant's values as they are.
+std::optional<Hypothesis> extend_from(const Prediction& prediction, const Hypothesis& from, const Variant& variant,
+                                      const models::ArmParameters& arm, const FitOptions& options = {});
 
 /// The prediction problem with the hold of a hypothesis. Every function below sees to that itself.
 Prediction with_hold(const Prediction& prediction, Hold hold);

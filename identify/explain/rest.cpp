@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "identify/explain/force_view.h"
 #include "identify/explain/signals.h"
 #include "models/effects/tabulated.h"
 
@@ -15,10 +16,10 @@ namespace {
 using Grid = models::TabulatedGrid;
 constexpr auto kKnots = static_cast<Eigen::Index>(Grid::kDisplacements * Grid::kVelocities);
 
-double range_about(const std::vector<double>& values, double centre) {
-  double range = 0;
-  for (const double value : values) range = std::max(range, std::abs(value - centre));
-  return std::max(range, 1e-9);
+double largest(const std::vector<double>& values) {
+  double most = 0;
+  for (const double value : values) most = std::max(most, std::abs(value));
+  return most;
 }
 
 /// Second differences of the table along both its directions, each a row.
@@ -43,34 +44,52 @@ Eigen::MatrixXd roughness() {
   return matrix;
 }
 
-/// Response of the filtered output to one newton at each knot, along a motion.
-Eigen::MatrixXd knot_responses(const Prediction& prediction, const models::AxisModel& model, const PlaceMotion& motion,
-                               const std::array<double, 3>& frame, Eigen::VectorXd& visits) {
-  const std::size_t samples = motion.x_m.size();
-  std::vector<std::array<Grid::Corner, 4>> corners(samples);
+constexpr Eigen::Index kPlainShapes = 11;
+
+/// Plain laws of displacement and velocity at the knots, in shares of the ranges: damping and friction that depend on
+/// displacement, springs that depend on the direction of motion, stops, and the odd and even powers.
+Eigen::MatrixXd plain_shapes() {
+  Eigen::MatrixXd shapes(kKnots, kPlainShapes);
+  for (std::size_t i = 0; i < Grid::kDisplacements; ++i) {
+    for (std::size_t j = 0; j < Grid::kVelocities; ++j) {
+      const double x = Grid::kDisplacementKnots[i], v = Grid::kVelocityKnots[j];
+      const double sign = v == 0 ? 0.0 : std::copysign(1.0, v);
+      shapes.row(static_cast<Eigen::Index>(i * Grid::kVelocities + j)) << std::abs(x) * v, x * x * v,
+          std::abs(x) * sign, sign, x * sign, x * std::abs(v), v * std::abs(v), x * x, x * x * x,
+          std::max(x - 0.4, 0.0), std::max(-x - 0.4, 0.0);
+    }
+  }
+  return shapes;
+}
+
+using Corners = std::vector<std::array<Grid::Corner, 4>>;
+
+/// Where the motion passes through the table, and how often it visits each knot.
+Corners pass_through(const PlaceMotion& motion, const std::array<double, 3>& frame, Eigen::VectorXd& visits) {
+  Corners corners(motion.x_m.size());
   visits = Eigen::VectorXd::Zero(kKnots);
-  for (std::size_t n = 0; n < samples; ++n) {
+  for (std::size_t n = 0; n < corners.size(); ++n) {
     corners[n] = Grid::corners((motion.x_m[n] - frame[0]) / frame[1], motion.v_m_per_s[n] / frame[2]);
     for (const auto& corner : corners[n]) visits[static_cast<Eigen::Index>(corner.index)] += corner.weight;
   }
-  Eigen::MatrixXd responses;
-  std::vector<double> force(samples);
+  return corners;
+}
+
+/// One column for each knot: what `see` makes of one newton there along the motion.
+template <class See>
+Eigen::MatrixXd knot_columns(const Corners& corners, Eigen::Index rows, const See& see) {
+  Eigen::MatrixXd columns(rows, kKnots);
+  std::vector<double> force(corners.size());
   for (Eigen::Index k = 0; k < kKnots; ++k) {
-    std::fill(force.begin(), force.end(), 0.0);
-    if (visits[k] > 0) {
-      for (std::size_t n = 0; n < samples; ++n) {
-        for (const auto& corner : corners[n]) {
-          if (static_cast<Eigen::Index>(corner.index) == k) force[n] += corner.weight;
-        }
+    for (std::size_t n = 0; n < corners.size(); ++n) {
+      force[n] = 0.0;
+      for (const auto& corner : corners[n]) {
+        if (static_cast<Eigen::Index>(corner.index) == k) force[n] += corner.weight;
       }
     }
-    const auto response =
-        response_to_force(model, models::Place::arm, force, prediction.driven_by(), prediction.options(false));
-    const auto filtered = prediction.filtered_train(response);
-    if (responses.size() == 0) responses.resize(static_cast<Eigen::Index>(filtered.size()), kKnots);
-    responses.col(k) = Eigen::Map<const Eigen::VectorXd>(filtered.data(), static_cast<Eigen::Index>(filtered.size()));
+    columns.col(k) = see(force);
   }
-  return responses;
+  return columns;
 }
 
 /// Smoothing by five-fold cross-validation over contiguous blocks, from normal equations of each block.
@@ -159,9 +178,11 @@ std::optional<Rest> fit_rest(const Prediction& given, const Hypothesis& from) {
   const Prediction prediction = with_hold(given, from.hold);
   const auto start = prediction.run(from.model, true);
   if (!start.finite) return std::nullopt;
-  const double centre = 0.5 * (*std::max_element(start.arm.x_m.begin(), start.arm.x_m.end()) +
-                               *std::min_element(start.arm.x_m.begin(), start.arm.x_m.end()));
-  const std::array frame{centre, range_about(start.arm.x_m, centre), range_about(start.arm.v_m_per_s, 0.0)};
+  const auto recorded = prediction.recorded_motion(from.model);
+  const auto [lowest, highest] = std::ranges::minmax(recorded.arm.x_m);
+  const double centre = 0.5 * (lowest + highest);
+  const std::array frame{centre, std::max(0.5 * (highest - lowest), 1e-9),
+                         std::max(largest(recorded.arm.v_m_per_s), 1e-9)};
   Rest rest{from, 0, 0, 0, ""};
   const int number = static_cast<int>(from.model.effects.size());
   std::vector<double> values(Grid::kParameters, 0.0);
@@ -170,32 +191,63 @@ std::optional<Rest> fit_rest(const Prediction& given, const Hypothesis& from) {
   const auto rough = roughness();
   double cost = from.train_cost, smoothing = 1.0;
   Eigen::VectorXd visits, forces = Eigen::VectorXd::Zero(kKnots);
+  // the table by regression, the model's own parameters by a short fit on top of it; true where that is better
+  const auto take = [&](const Eigen::VectorXd& wanted, models::AxisModel model, int iterations) {
+    // a constant force is an offset, which the selection filter does not see: not the table's to hold
+    const Eigen::VectorXd table = wanted.array() - wanted.dot(visits) / visits.sum();
+    std::copy(table.data(), table.data() + kKnots, values.begin() + static_cast<std::ptrdiff_t>(Grid::kFirstForce));
+    model.effects[number] = models::make_effect("tabulated", models::Place::arm, values);
+    const auto fitted = fit(prediction, model, from.free, {.most_iterations = iterations, .tolerance = 1e-4});
+    if (!fitted.ok || !(fitted.cost < 0.999 * cost)) return false;
+    cost = fitted.cost;
+    rest.hypothesis.model = fitted.model;
+    forces = table;
+    return true;
+  };
+  if (prediction.driven_by() == DrivenBy::force && from.model.base == models::BaseModel::arm5) {
+    // along the recorded motion first: the simulated one may be far from it
+    const ForceView view(prediction, from.model);
+    const auto own = static_cast<Eigen::Index>(view.known().size());
+    Eigen::MatrixXd columns(view.force().size(), own + kKnots);
+    for (Eigen::Index j = 0; j < own; ++j) columns.col(j) = view.known()[static_cast<std::size_t>(j)];
+    const auto corners = pass_through(view.motion().arm, frame, visits);
+    columns.rightCols(kKnots) =
+        knot_columns(corners, columns.rows(), [&](const auto& force) { return view.seen(force); });
+    const auto begin = [&](const Eigen::VectorXd& own_part, const Eigen::VectorXd& table) {
+      auto model = rest.hypothesis.model;
+      model.arm = view.arm_with(own_part);
+      take(table, model, 12);
+    };
+    const Eigen::VectorXd solution = solve_smoothed(columns, view.force(), own, forces, rough, smoothing);
+    begin(solution.head(own), solution.tail(kKnots));
+    // under much noise a hundred knots wander: a few plain shapes hold still
+    Eigen::MatrixXd shaped(columns.rows(), own + kPlainShapes);
+    const Eigen::MatrixXd shapes = plain_shapes();
+    shaped << columns.leftCols(own), columns.rightCols(kKnots) * shapes;
+    const Eigen::VectorXd few = shaped.colPivHouseholderQr().solve(view.force());
+    begin(few.head(own), shapes * few.tail(kPlainShapes));
+  }
   for (int pass = 0; pass < 4; ++pass) {
     const auto motion = prediction.run(rest.hypothesis.model, true);
     const auto residual = prediction.train_residual(rest.hypothesis.model);
     const Eigen::MatrixXd own = sensitivity(prediction, rest.hypothesis.model, from.free);
     Eigen::MatrixXd columns(own.rows(), own.cols() + kKnots);
-    columns << own, knot_responses(prediction, rest.hypothesis.model, motion.arm, frame, visits);
+    columns.leftCols(own.cols()) = own;
+    const auto corners = pass_through(motion.arm, frame, visits);
+    columns.rightCols(kKnots) = knot_columns(corners, own.rows(), [&](const auto& force) -> Eigen::VectorXd {
+      const auto response = response_to_force(rest.hypothesis.model, models::Place::arm, force, prediction.driven_by(),
+                                              prediction.options(false));
+      const auto filtered = prediction.filtered_train(response);
+      return Eigen::Map<const Eigen::VectorXd>(filtered.data(), static_cast<Eigen::Index>(filtered.size()));
+    });
     const Eigen::VectorXd target =
         Eigen::Map<const Eigen::VectorXd>(residual.data(), static_cast<Eigen::Index>(residual.size()));
     const Eigen::VectorXd change = solve_smoothed(columns, target, own.cols(), forces, rough, smoothing);
-    bool fell = false;
+    const double before = cost;
     for (const double share : {1.0, 0.5, 0.2}) {
-      const Eigen::VectorXd next = forces + share * change.tail(kKnots);
-      std::copy(next.data(), next.data() + kKnots, values.begin() + static_cast<std::ptrdiff_t>(Grid::kFirstForce));
-      auto model = rest.hypothesis.model;
-      model.effects[number] = models::make_effect("tabulated", models::Place::arm, values);
-      // the table's share by regression, the model's own parameters by a short fit on top of it
-      const auto fitted = fit(prediction, model, from.free, {.most_iterations = 4, .tolerance = 1e-4});
-      if (fitted.ok && fitted.cost < 0.999 * cost) {
-        fell = fitted.cost < 0.97 * cost;
-        cost = fitted.cost;
-        rest.hypothesis.model = fitted.model;
-        forces = next;
-        break;
-      }
+      if (take(forces + share * change.tail(kKnots), rest.hypothesis.model, 4)) break;
     }
-    if (!fell) break;
+    if (!(cost < 0.97 * before)) break;
   }
   if (!(cost < from.train_cost)) return std::nullopt;
   rest.hypothesis.train_cost = cost;

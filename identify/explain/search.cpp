@@ -8,6 +8,7 @@
 #include <set>
 
 #include "identify/arm_fit.h"
+#include "identify/explain/force_scan.h"
 #include "identify/explain/signals.h"
 #include "identify/spectra.h"
 #include "models/errors.h"
@@ -53,7 +54,8 @@ void report(const SearchOptions& options, double share, const std::string& what)
 /// asks for twice its share of the error's power. A refit can find more than the first step promises, at the first
 /// depth above all, where the base model has bent itself towards the missing effect: there the best few are always
 /// tried.
-std::vector<ScanResult> shortlist(const std::vector<ScanResult>& ranked, const SearchOptions& options, int depth) {
+std::vector<ScanResult> shortlist(const std::vector<ScanResult>& ranked, const std::vector<ForceStart>& force_starts,
+                                  const SearchOptions& options, int depth) {
   const std::size_t count = depth == 1 ? options.refits_first : options.refits_next, always = depth == 1 ? 3 : 0;
   std::vector<ScanResult> list;
   std::set<std::string_view> names;
@@ -61,6 +63,11 @@ std::vector<ScanResult> shortlist(const std::vector<ScanResult>& ranked, const S
     if (list.size() == count) break;
     if (list.size() >= always && result.share < std::max(options.rule.gain, 0.15 * ranked.front().share)) break;
     if (names.insert(result.variant.type->info.name).second) list.push_back(result);
+  }
+  // what the force side thinks most of is tried too
+  for (std::size_t i = 0; i < std::min<std::size_t>(2, force_starts.size()); ++i) {
+    const auto& variant = force_starts[i].variant;
+    if (names.insert(variant.type->info.name).second) list.push_back({variant, 0.0});
   }
   return list;
 }
@@ -160,13 +167,20 @@ SearchResult search_effects(const Prediction& prediction, const Hypothesis& base
       const auto variants = search_variants(from.model, prediction.driven_by());
       const auto ranked = scan(prediction, from, variants);
       if (depth == 1) result.variants_scanned = variants.size();
-      const auto list = shortlist(ranked, options, depth);
+      const auto force_starts = force_scan(with_hold(prediction, from.hold), from, variants);
+      const auto list = shortlist(ranked, force_starts, options, depth);
       for (const auto& candidate : list) {
         report(options, (depth - 1 + done / static_cast<double>(beam.size() * list.size())) / options.max_effects,
                from.effect_names() + (from.model.effects.empty() ? "" : " + ") +
                    std::string(candidate.variant.type->info.name));
         ++done;
-        auto fitted = extend(prediction, from, candidate.variant, {.most_iterations = 25, .tolerance = 1e-5});
+        const FitOptions first_fit{.most_iterations = 25, .tolerance = 1e-5};
+        auto fitted = extend(prediction, from, candidate.variant, first_fit);
+        const auto same_effect = [&](const ForceStart& s) { return s.variant.type == candidate.variant.type; };
+        if (const auto start = std::ranges::find_if(force_starts, same_effect); start != force_starts.end()) {
+          auto other = extend_from(prediction, from, start->variant, start->arm, first_fit);
+          if (other && (!fitted || other->train_cost < fitted->train_cost)) fitted = std::move(other);
+        }
         if (!fitted) continue;
         Tried tried{free_ride + static_cast<std::size_t>(depth), {}, candidate.share, *fitted};
         for (const auto& effect : fitted->model.effects) tried.names.emplace_back(effect->info().name);

@@ -1,7 +1,10 @@
 #include "tests/support/exam.h"
 
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -78,13 +81,21 @@ double number_at(const nlohmann::json& json, const char* group, const char* key)
   return json[group][key].get<double>();
 }
 
-/// User and system seconds as `time -p` of the shell wrote them.
-double processor_seconds(const std::filesystem::path& path) {
-  std::ifstream stream(path);
-  double sum = 0, value = 0;
-  for (std::string word; stream >> word >> value;) sum += word == "user" || word == "sys" ? value : 0.0;
-  std::filesystem::remove(path);
-  return sum;
+/// Runs a command of the shell; `seconds` is the processor time it took, for the machine may be busy with others.
+int run_shell(const std::string& command, double& seconds) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::execl("/bin/sh", "sh", "-c", command.c_str(), static_cast<char*>(nullptr));
+    ::_exit(127);
+  }
+  int status = -1;
+  rusage usage{};
+  if (child < 0 || ::wait4(child, &status, 0, &usage) < 0) return -1;
+  const auto in_seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  seconds = in_seconds(usage.ru_utime) + in_seconds(usage.ru_stime);
+  return status;
 }
 
 double median(std::vector<double> values) {
@@ -147,10 +158,7 @@ ExamResult examine(const std::filesystem::path& program, const PlantedRecording&
                         " --driven-by " + recording.driven_by + " --out '" + out.string() + "'";
   if (recording.rotary) command += " --force torque_Nm --position angle_rad";
   command += " >'" + log.string() + "' 2>&1";
-  // processor time of the program alone: the machine may be busy with others
-  const std::filesystem::path times = work / (name + ".times");
-  const int status = std::system(("{ time -p " + command + " ; } 2>'" + times.string() + "'").c_str());
-  result.seconds = processor_seconds(times);
+  const int status = run_shell(command, result.seconds);
 
   std::ifstream stream(out / "explain.json");
   if (status != 0 || !stream) {

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <vector>
+
+#include "identify/explain/force_view.h"
+
+namespace handloop::identify {
+
+/// Starts by ForceView for every variant but those that change the grasp: the best of every effect, best first. None
+/// where forces are predicted or the base is no arm5.
+std::vector<ForceStart> force_scan(const Prediction& prediction, const Hypothesis& from,
+                                   const std::vector<Variant>& variants);
+
+}  // namespace handloop::identify
