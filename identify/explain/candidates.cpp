@@ -207,6 +207,7 @@ std::vector<ScanResult> scan(const Prediction& given, const Hypothesis& from, co
   // A missing effect acts along the true motion, which a poor model does not make: the recorded one is nearer to it,
   // the simulated one free of noise.
   const auto recorded = prediction.recorded_motion(from.model);
+  const bool look_along_record = prediction.driven_by() == DrivenBy::force && from.model.effects.empty();
   const Eigen::VectorXd residual = as_vector(prediction.train_residual(from.model));
   const OwnDirections own(sensitivity(prediction, from.model, from.free));
   const Eigen::VectorXd left = own.remove(residual);
@@ -249,7 +250,7 @@ std::vector<ScanResult> scan(const Prediction& given, const Hypothesis& from, co
         return;
       }
       for (const Trajectory* felt : {&motion, &recorded}) {
-        if (felt == &recorded && prediction.driven_by() == DrivenBy::position) break;
+        if (felt == &recorded && !look_along_record) break;
         // forces are proportional to their gains: one response each, gains by least squares
         Eigen::MatrixXd directions(residual.size(), static_cast<Eigen::Index>(gains.size()));
         std::vector<double> reference(gains.size());
@@ -368,6 +369,33 @@ std::optional<Hypothesis> extend_from(const Prediction& prediction, const Hypoth
   for (const auto& p : effect_parameters(*extended.model.effects.back(), number, scale_at(motion, variant.place)))
     extended.free.push_back(p);
   return refit(prediction, extended, options);
+}
+
+Hypothesis reconsider_choices(const Prediction& prediction, Hypothesis hypothesis) {
+  if (hypothesis.model.effects.empty()) return hypothesis;
+  const std::size_t last = hypothesis.model.effects.size() - 1;
+  const auto motion = with_hold(prediction, hypothesis.hold).run(hypothesis.model, true);
+  const auto& parameters = hypothesis.model.effects[last]->info().parameters;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const auto& search = parameters[i].search;
+    if (search.role != Role::choice || search.points < 2) continue;
+    for (int k = 0; k < search.points; ++k) {
+      const auto& effect = *hypothesis.model.effects[last];
+      std::vector<double> values(effect.parameters().begin(), effect.parameters().end());
+      const double choice = search.from + (search.to - search.from) * k / (search.points - 1);
+      if (choice == values[i]) continue;
+      values[i] = choice;
+      Hypothesis other = hypothesis;
+      other.model.effects[last] = models::make_effect(effect.info().name, effect.place(), values);
+      std::erase_if(other.free, [&](const auto& p) { return p.effect == static_cast<int>(last); });
+      for (auto& p :
+           effect_parameters(*other.model.effects[last], static_cast<int>(last), scale_at(motion, effect.place())))
+        other.free.push_back(std::move(p));
+      auto fitted = refit(prediction, other, {.most_iterations = 15, .tolerance = 1e-5});
+      if (fitted && fitted->train_cost < 0.98 * hypothesis.train_cost) hypothesis = std::move(*fitted);
+    }
+  }
+  return hypothesis;
 }
 
 Hypothesis pruned(const Prediction& prediction, const Hypothesis& from) {

@@ -79,6 +79,10 @@ Hypothesis reconsider_hold(const Prediction& prediction, Hypothesis hypothesis);
 /// Fits the hypothesis' own parameters again and judges it.
 std::optional<Hypothesis> refit(const Prediction& prediction, const Hypothesis& from, const FitOptions& options = {});
 
+/// Other choices of its last effect (order, direction, exponent, ...), one at a time from where it stands: a scan may
+/// have chosen wrongly where the base model was bent.
+Hypothesis reconsider_choices(const Prediction& prediction, Hypothesis hypothesis);
+
 /// Takes out gains the data does not ask for: of an effect with several, each one that can be left at zero while the
 /// training error's power grows by less than 1 %.
 Hypothesis pruned(const Prediction& prediction, const Hypothesis& from);

@@ -39,11 +39,7 @@ bool force_is_reversed(const models::Recording& recording) {
   return vote < 0;
 }
 
-std::vector<Fingerprint> take_fingerprints(const Prediction& prediction, const Hypothesis& base,
-                                           std::size_t& variants_tried) {
-  const auto variants = search_variants(base.model, prediction.driven_by());
-  variants_tried = variants.size();
-  const auto ranked = scan(prediction, base, variants);
+std::vector<Fingerprint> take_fingerprints(const std::vector<ScanResult>& ranked) {
   std::size_t starts = 0;
   for (const auto& result : ranked) starts += result.starts;
   std::vector<Fingerprint> prints;
@@ -254,11 +250,14 @@ Explanation explain(const models::Recording& given, const std::optional<models::
   choose_motion_bandwidth(prediction, base);
   result.floor = estimate_noise_floor(prediction, base.model);
   progress(0.05, "fingerprints");
-  result.fingerprints = take_fingerprints(prediction, base, result.variants_tried);
+  const auto variants = search_variants(base.model, prediction.driven_by());
+  const auto ranked = scan(prediction, base, variants);
+  result.variants_tried = variants.size();
+  result.fingerprints = take_fingerprints(ranked);
 
   auto search_options = options.search;
   search_options.progress = [&](double share, const std::string& what) { progress(0.1 + 0.75 * share, what); };
-  auto search = search_effects(prediction, base, search_options);
+  auto search = search_effects(prediction, base, ranked, search_options);
   choose_motion_bandwidth(prediction, search.best);
   drop_undetermined(prediction, search.best);
   drop_idle_base(prediction, search.best);

@@ -64,8 +64,9 @@ std::vector<ScanResult> shortlist(const std::vector<ScanResult>& ranked, const s
     if (list.size() >= always && result.share < std::max(options.rule.gain, 0.15 * ranked.front().share)) break;
     if (names.insert(result.variant.type->info.name).second) list.push_back(result);
   }
-  // what the force side thinks most of is tried too
-  for (std::size_t i = 0; i < std::min<std::size_t>(2, force_starts.size()); ++i) {
+  // What the force side can start is tried too: behind a bent base model all of it, later the two it thinks most of.
+  const std::size_t more = depth == 1 ? force_starts.size() : 2;
+  for (std::size_t i = 0; i < std::min(more, force_starts.size()); ++i) {
     const auto& variant = force_starts[i].variant;
     if (names.insert(variant.type->info.name).second) list.push_back({variant, 0.0});
   }
@@ -147,7 +148,8 @@ Hypothesis fit_base(Prediction& prediction, BaseModel base, models::Axis axis) {
   return hypothesis;
 }
 
-SearchResult search_effects(const Prediction& prediction, const Hypothesis& base, const SearchOptions& options) {
+SearchResult search_effects(const Prediction& prediction, const Hypothesis& base,
+                            const std::vector<ScanResult>& base_ranked, const SearchOptions& options) {
   SearchResult result{base, base, {}, 0};
   Hypothesis seed = base;
   if (prediction.driven_by() == DrivenBy::position) {
@@ -165,7 +167,8 @@ SearchResult search_effects(const Prediction& prediction, const Hypothesis& base
     double done = 0;
     for (const auto& from : beam) {
       const auto variants = search_variants(from.model, prediction.driven_by());
-      const auto ranked = scan(prediction, from, variants);
+      const bool known = from.model.effects.empty();
+      const auto ranked = known ? base_ranked : scan(prediction, from, variants);
       if (depth == 1) result.variants_scanned = variants.size();
       const auto force_starts = force_scan(with_hold(prediction, from.hold), from, variants);
       const auto list = shortlist(ranked, force_starts, options, depth);
@@ -175,7 +178,8 @@ SearchResult search_effects(const Prediction& prediction, const Hypothesis& base
                    std::string(candidate.variant.type->info.name));
         ++done;
         const FitOptions first_fit{.most_iterations = 25, .tolerance = 1e-5};
-        auto fitted = extend(prediction, from, candidate.variant, first_fit);
+        auto fitted =
+            candidate.share > 0 ? extend(prediction, from, candidate.variant, first_fit) : std::optional<Hypothesis>();
         const auto same_effect = [&](const ForceStart& s) { return s.variant.type == candidate.variant.type; };
         if (const auto start = std::ranges::find_if(force_starts, same_effect); start != force_starts.end()) {
           auto other = extend_from(prediction, from, start->variant, start->arm, first_fit);
@@ -222,6 +226,7 @@ SearchResult search_effects(const Prediction& prediction, const Hypothesis& base
     extended.resize(std::min(options.beam, extended.size()));
     const FitOptions converge{.most_iterations = 40, .tolerance = 1e-7};
     for (auto& [hypothesis, share] : extended) {
+      hypothesis = reconsider_choices(prediction, std::move(hypothesis));
       if (auto converged = refit(prediction, pruned(prediction, hypothesis), converge))
         hypothesis = std::move(*converged);
     }

@@ -43,8 +43,10 @@ struct SearchResult {
 /// Throws InputError where no finite fit exists.
 Hypothesis fit_base(Prediction& prediction, models::BaseModel base, models::Axis axis);
 
-/// Forward steps with a beam, then backward elimination; every step judged on the held-out part.
-SearchResult search_effects(const Prediction& prediction, const Hypothesis& base, const SearchOptions& options);
+/// Forward steps with a beam, then backward elimination; every step judged on the held-out part. `ranked` is the scan
+/// of the base model's variants.
+SearchResult search_effects(const Prediction& prediction, const Hypothesis& base, const std::vector<ScanResult>& ranked,
+                            const SearchOptions& options);
 
 /// Does the second explain better than the first by the rule? `tried` is the number of candidates it was chosen from.
 bool improves(const Errors& first, const Errors& second, const AcceptanceRule& rule, std::size_t tried);

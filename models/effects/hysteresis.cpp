@@ -28,7 +28,7 @@ const EffectInfo kInfo{
                     1.5,
                     0.5,
                     "0.5: unloads along the initial stiffness",
-                    {Role::choice, 0.5, 0.5, 1, Scale::absolute}},
+                    {Role::shape, 0.5, 0.7, 1, Scale::absolute, true}},
                    {"exponent", "", 1.0, 5.0, 1.0, "sharpness of the knee", {Role::choice, 1, 2, 2, Scale::absolute}}},
     .search_places = {Place::arm, Place::grasp},
 };
