@@ -39,7 +39,7 @@ struct Fit {
   int iterations = 0;
 };
 
-/// Least squares of the filtered training error over the free parameters (Ceres, Levenberg-Marquardt with bounds,
+/// Least squares of the filtered training error over the free parameters (Levenberg-Marquardt with bounds,
 /// forward differences). Never throws; a model that cannot be run gives ok = false.
 Fit fit(const Prediction& prediction, const models::AxisModel& start, const std::vector<FreeParameter>& free,
         const FitOptions& options = {});

@@ -73,9 +73,9 @@ std::vector<ScanResult> shortlist(const std::vector<ScanResult>& ranked, const s
   return list;
 }
 
-/// A delay, time constant, frequency or mass that ends at the edge of its range is not that effect: it stands in for
-/// another.
-bool stands_in(const Hypothesis& hypothesis) {
+/// A signal late by less than a sample is the hold of the force, not an effect. A delay, time constant, frequency or
+/// mass that ends at the edge of its range is not that effect: it stands in for another.
+bool stands_in(const Hypothesis& hypothesis, double sample_time_s) {
   const auto values = get_values(hypothesis.model, hypothesis.free);
   for (std::size_t i = 0; i < hypothesis.free.size(); ++i) {
     const auto& p = hypothesis.free[i];
@@ -84,6 +84,7 @@ bool stands_in(const Hypothesis& hypothesis) {
     const bool telling =
         search.role == models::Role::shape && search.scale == models::Scale::absolute && !search.edge_allowed;
     const double value = values[static_cast<Eigen::Index>(i)];
+    if (hypothesis.model.effects[p.effect]->acts_on_signal() && telling && value < sample_time_s) return true;
     if (telling && (value <= 1.01 * p.lower || value >= 0.99 * p.upper)) return true;
   }
   return false;
@@ -202,7 +203,7 @@ SearchResult search_effects(const Prediction& prediction, const Hypothesis& base
     const auto by_error = [](const auto& x, const auto& y) {
       return x.first.errors.filtered_validation < y.first.errors.filtered_validation;
     };
-    std::erase_if(extended, [](const auto& entry) { return stands_in(entry.first); });
+    std::erase_if(extended, [&](const auto& entry) { return stands_in(entry.first, prediction.sample_time_s()); });
     if (extended.empty()) break;
     std::sort(extended.begin(), extended.end(), by_error);
     constexpr std::size_t kReconsidered = 6;
@@ -226,7 +227,7 @@ SearchResult search_effects(const Prediction& prediction, const Hypothesis& base
     extended.resize(std::min(options.beam, extended.size()));
     const FitOptions converge{.most_iterations = 40, .tolerance = 1e-7};
     for (auto& [hypothesis, share] : extended) {
-      hypothesis = reconsider_choices(prediction, std::move(hypothesis));
+      hypothesis = reconsider_hold(prediction, reconsider_choices(prediction, std::move(hypothesis)));
       if (auto converged = refit(prediction, pruned(prediction, hypothesis), converge))
         hypothesis = std::move(*converged);
     }
