@@ -7,6 +7,7 @@
 
 #include "control/transfer_loop.h"
 #include "models/errors.h"
+#include "models/polynomial.h"
 
 namespace handloop::control {
 namespace {
@@ -38,12 +39,6 @@ struct Modes {
     return area;
   }
 };
-
-Complex horner(const std::vector<double>& p, Complex s) {
-  Complex value = 0;
-  for (const double coefficient : p) value = value * s + static_cast<Real>(coefficient);
-  return value;
-}
 
 /// Multiple poles would need powers of t: they are drawn apart by so little (on a circle about their place, so that the
 /// error is of that distance to the power of how many there are) that nothing is lost.
@@ -77,7 +72,7 @@ Modes modes_of(const std::vector<double>& numerator, const std::vector<double>& 
     for (std::size_t k = 0; k < modes.pole.size(); ++k) {
       if (k != i) slope *= modes.pole[i] - modes.pole[k];
     }
-    modes.residue.push_back(horner(numerator, modes.pole[i]) / slope);
+    modes.residue.push_back(models::evaluate_polynomial(numerator, modes.pole[i]) / slope);
   }
   return modes;
 }

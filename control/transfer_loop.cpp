@@ -8,8 +8,11 @@
 #include "control/margin_collector.h"
 #include "control/scan.h"
 #include "models/errors.h"
+#include "models/polynomial.h"
 
 namespace handloop::control {
+
+using models::evaluate_polynomial;
 namespace {
 
 using Complex = std::complex<double>;
@@ -20,12 +23,6 @@ std::vector<double> without_leading_zeros(std::vector<double> c) {
   const auto first = std::find_if(c.begin(), c.end(), [](double x) { return x != 0; });
   c.erase(c.begin(), first == c.end() ? c.end() : first);
   return c;
-}
-
-Complex horner(const std::vector<double>& c, Complex x) {
-  Complex value = 0;
-  for (const double a : c) value = value * x + a;
-  return value;
 }
 
 /// Radii at which the roots lie, by the upper hull of log |coefficients| (Bini 1996). c: highest first, c.back() != 0.
@@ -120,7 +117,7 @@ std::vector<Complex> polynomial_roots(const std::vector<double>& coefficients) {
 
 Complex TransferLoop::operator()(double w) const {
   const Complex x = sample_time_s ? std::polar(1.0, w * *sample_time_s) : Complex(0, w);
-  return horner(numerator, x) / horner(denominator, x) * std::polar(1.0, -w * delay_s);
+  return evaluate_polynomial(numerator, x) / evaluate_polynomial(denominator, x) * std::polar(1.0, -w * delay_s);
 }
 
 void require_valid(const TransferLoop& loop) {
@@ -201,7 +198,7 @@ TransferMargins evaluate(const TransferLoop& loop) {
   const auto response = [&](double w) {
     const Complex x = discrete ? std::polar(1.0, w * T) : Complex(0, w);
     const Complex delay = loop.delay_s > 0 ? std::polar(1.0, -w * loop.delay_s) : Complex(1);
-    return ResponsePoint{horner(num, x) * delay, horner(den, x)};
+    return ResponsePoint{evaluate_polynomial(num, x) * delay, evaluate_polynomial(den, x)};
   };
   const double at_infinity = num.size() < den.size()   ? 0.0
                              : num.size() > den.size() ? Margins::kInfinity
@@ -211,7 +208,9 @@ TransferMargins evaluate(const TransferLoop& loop) {
     // roots cross the axis as the delay grows from zero, at each gain crossing once a turn of its phase
     if (at_infinity >= 1) stable = false;
     long crossed = 0;
-    const auto without_delay = [&](double w) { return horner(num, Complex(0, w)) / horner(den, Complex(0, w)); };
+    const auto without_delay = [&](double w) {
+      return evaluate_polynomial(num, Complex(0, w)) / evaluate_polynomial(den, Complex(0, w));
+    };
     detail::roots_on_grid(
         points, [&](double w) { return std::clamp(2 * std::log(std::abs(without_delay(w))), -1e3, 1e3); },
         [&](double w) {
@@ -239,8 +238,8 @@ TransferMargins evaluate(const TransferLoop& loop) {
     collector.distance(n, d, w);
   };
   if (discrete) {
-    end(horner(num, 1.0).real(), horner(den, 1.0).real(), 0.0);
-    end(horner(num, -1.0).real(), horner(den, -1.0).real(), kPi / T);
+    end(evaluate_polynomial(num, Complex(1.0)).real(), evaluate_polynomial(den, Complex(1.0)).real(), 0.0);
+    end(evaluate_polynomial(num, Complex(-1.0)).real(), evaluate_polynomial(den, Complex(-1.0)).real(), kPi / T);
   } else {
     end(num.back(), den.back(), 0.0);
     if (num.size() == den.size() && loop.delay_s == 0) end(num.front(), den.front(), Margins::kInfinity);

@@ -6,15 +6,10 @@
 
 #include "control/transfer_loop.h"
 #include "models/errors.h"
+#include "models/polynomial.h"
 
 namespace handloop::control {
 namespace {
-
-std::complex<double> horner(const std::vector<double>& p, std::complex<double> s) {
-  std::complex<double> value = 0.0;
-  for (const double coefficient : p) value = value * s + coefficient;
-  return value;
-}
 
 /// (c (z - 1))^power (z + 1)^(order - power), highest power of z first.
 std::vector<double> bilinear_term(std::size_t power, std::size_t order, double c) {
@@ -39,7 +34,7 @@ bool finite(const std::vector<double>& p) {
 }  // namespace
 
 std::complex<double> TransferFunction::operator()(std::complex<double> s) const {
-  return horner(numerator, s) / horner(denominator, s);
+  return models::evaluate_polynomial(numerator, s) / models::evaluate_polynomial(denominator, s);
 }
 
 std::vector<double> multiply(const std::vector<double>& a, const std::vector<double>& b) {

@@ -61,4 +61,9 @@ struct FaultEvent {
   double limit = 0.0;  ///< what is allowed
 };
 
+/// A fault as a check finds it; the loop adds sample and time.
+inline FaultEvent found(Fault fault, double value, double limit) noexcept {
+  return {fault, 0, 0, value, limit};
+}
+
 }  // namespace handloop::device

@@ -24,10 +24,6 @@ constexpr int kStuckSamples = 50;
 constexpr double kJumpFactor = 1.5;
 constexpr double kJumpRoom_m = 2e-4;
 
-FaultEvent found(Fault fault, double value, double limit) {
-  return {fault, 0, 0, value, limit};
-}
-
 }  // namespace
 
 SafetyLimits safety_limits(const models::Scenario& scenario, const Eigen::Vector3d& home_tip_m) {

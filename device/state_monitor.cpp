@@ -14,10 +14,6 @@ constexpr double kAccelerationCutoff_Hz = 100.0;
 constexpr double kResidualCutoff_Hz = 50.0;
 constexpr double kNudge_rad = 1e-4;
 
-FaultEvent found(Fault fault, double value, double limit) {
-  return {fault, 0, 0, value, limit};
-}
-
 }  // namespace
 
 StateLimits state_limits(const models::SafetySettings& settings) {

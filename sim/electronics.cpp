@@ -62,6 +62,15 @@ Electronics::Electronics(const models::Scenario& scenario)
   require_positive("grip_rate_Hz", settings_.grip_rate_Hz);
 }
 
+void describe_converters(const models::ElectronicsSettings& settings, PlantDescription& description) {
+  description.amplifier_A_per_V = settings.amplifier_A_per_V;
+  description.current_limit_A = settings.current_limit_A;
+  description.dac_bits = settings.dac_bits;
+  description.dac_range_V = settings.dac_range_V;
+  description.adc_bits = settings.adc_bits;
+  description.adc_range_V = settings.adc_range_V;
+}
+
 PlantDescription Electronics::describe() const {
   PlantDescription description;
   for (std::size_t i = 0; i < kMotors; ++i) {
@@ -71,12 +80,7 @@ PlantDescription Electronics::describe() const {
     description.analog_N_per_V[i] = settings_.force_sensor_N_per_V;
   }
   description.analog_N_per_V[3] = kGrip_N_per_V;
-  description.amplifier_A_per_V = settings_.amplifier_A_per_V;
-  description.current_limit_A = settings_.current_limit_A;
-  description.dac_bits = settings_.dac_bits;
-  description.dac_range_V = settings_.dac_range_V;
-  description.adc_bits = settings_.adc_bits;
-  description.adc_range_V = settings_.adc_range_V;
+  describe_converters(settings_, description);
   description.sample_time_s = sample_time_s_;
   return description;
 }

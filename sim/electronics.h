@@ -14,6 +14,9 @@ namespace handloop::sim {
 /// nothing is lost, limits out of reach and no noise.
 models::ElectronicsSettings effective(const models::ElectronicsSettings& settings);
 
+/// Amplifier and converters of the settings, as whoever speaks to the device must know them.
+void describe_converters(const models::ElectronicsSettings& settings, PlantDescription& description);
+
 /// Converters, amplifier, encoders, force sensor and grip sensor of the simulated device. Noise is a function of seed,
 /// channel and sample number. Real-time safe after construction.
 class Electronics {

@@ -152,12 +152,7 @@ struct SevenBarPlant::Impl {
     }
     for (std::size_t i = 0; i < 4; ++i) description.analog_N_per_V[i] = settings.force_sensor_N_per_V;
     description.analog_N_per_V[4] = kGripScale_N_per_V;
-    description.amplifier_A_per_V = settings.amplifier_A_per_V;
-    description.current_limit_A = settings.current_limit_A;
-    description.dac_bits = settings.dac_bits;
-    description.dac_range_V = settings.dac_range_V;
-    description.adc_bits = settings.adc_bits;
-    description.adc_range_V = settings.adc_range_V;
+    describe_converters(settings, description);
     description.sample_time_s = scenario.loop.sample_time_s;
     description.physics_step_s = model->opt.timestep;
   }

@@ -463,8 +463,8 @@ std::vector<double> response_to_force(const AxisModel& model, Place place, std::
   return response;
 }
 
-std::vector<double> first_order_response(const AxisModel& model, const Trajectory& motion, const models::Effect& effect,
-                                         DrivenBy driven_by, const SimulationOptions& options) {
+std::vector<double> force_along(const AxisModel& model, const models::Effect& effect, const Trajectory& motion,
+                                const SimulationOptions& options) {
   const auto& at = motion.at(effect.place());
   const std::size_t samples = at.x_m.size();
   const double h = options.sample_time_s;
@@ -472,10 +472,19 @@ std::vector<double> first_order_response(const AxisModel& model, const Trajector
   std::vector<double> force(samples);
   for (std::size_t i = 0; i < samples; ++i) {
     const double a = i == 0 ? 0.0 : (at.v_m_per_s[i] - at.v_m_per_s[i - 1]) / h;
-    force[i] = acting.force_N(i, at.x_m[i], at.v_m_per_s[i], a) + acting.constant_mass_kg() * a;
+    force[i] = acting.force_N(i, at.x_m[i], at.v_m_per_s[i], a);
     acting.remember(i, at.x_m[i], at.v_m_per_s[i]);
     if (i + 1 < samples) acting.advance(i, at.x_m[i], at.v_m_per_s[i], at.x_m[i + 1], at.v_m_per_s[i + 1]);
   }
+  return force;
+}
+
+std::vector<double> first_order_response(const AxisModel& model, const Trajectory& motion, const models::Effect& effect,
+                                         DrivenBy driven_by, const SimulationOptions& options) {
+  auto force = force_along(model, effect, motion, options);
+  const auto& v = motion.at(effect.place()).v_m_per_s;
+  const double mass = effect.added_mass_kg(0.0);
+  for (std::size_t i = 1; i < force.size(); ++i) force[i] += mass * ((v[i] - v[i - 1]) / options.sample_time_s);
   return response_to_force(model, effect.place(), force, driven_by, options);
 }
 

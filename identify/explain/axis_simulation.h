@@ -75,6 +75,10 @@ std::vector<double> response_to_force(const models::AxisModel& model, models::Pl
                                       std::span<const double> force_N, DrivenBy driven_by,
                                       const SimulationOptions& options);
 
+/// Force of an effect along a motion, one entry a sample, a constant added mass left out.
+std::vector<double> force_along(const models::AxisModel& model, const models::Effect& effect, const Trajectory& motion,
+                                const SimulationOptions& options);
+
 /// First-order change of simulate_position's (or simulate_force's) output when a force effect is added to a model:
 /// the effect's force along the motion the model already makes, through the model's linear part.
 std::vector<double> first_order_response(const models::AxisModel& model, const Trajectory& motion,

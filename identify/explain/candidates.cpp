@@ -41,6 +41,19 @@ std::vector<double> starts(const EffectParameter& parameter, const MotionScale& 
   return values;
 }
 
+/// Values of a parameter that are each a variant of their own; empty where it is no choice.
+std::vector<double> choices_of(const EffectParameter& parameter) {
+  const auto& search = parameter.search;
+  std::vector<double> values;
+  if (search.role != Role::choice) return values;
+  for (int k = 0; k < search.points; ++k) {
+    const double value =
+        search.points > 1 ? search.from + (search.to - search.from) * k / (search.points - 1) : search.from;
+    values.push_back(std::clamp(value, parameter.lower, parameter.upper));
+  }
+  return values;
+}
+
 /// Free parameters that an effect brings with it; shapes stay within a sane reach of where they are looked for.
 std::vector<FreeParameter> effect_parameters(const models::Effect& effect, int number, const MotionScale& scale) {
   std::vector<FreeParameter> free;
@@ -69,6 +82,14 @@ AxisModel with_effect(const AxisModel& model, const Variant& variant) {
   AxisModel extended = model;
   extended.effects.push_back(models::make_effect(variant.type->info.name, variant.place, variant.values));
   return extended;
+}
+
+/// Adds the variant and its free parameters to a hypothesis.
+void add_effect(Hypothesis& hypothesis, const Variant& variant, const MotionScale& scale) {
+  hypothesis.model = with_effect(hypothesis.model, variant);
+  const int number = static_cast<int>(hypothesis.model.effects.size()) - 1;
+  const auto free = effect_parameters(*hypothesis.model.effects.back(), number, scale);
+  hypothesis.free.insert(hypothesis.free.end(), free.begin(), free.end());
 }
 
 /// What the model's own parameters can take away from a signal: an orthonormal basis of their sensitivities.
@@ -146,6 +167,13 @@ std::vector<std::size_t> used_gains(const Variant& variant) {
   return gains;
 }
 
+UnitEffect unit_effect(Variant variant, const std::vector<std::size_t>& gains, std::size_t gain) {
+  const auto& parameter = variant.type->info.parameters[gain];
+  for (const auto other : gains) variant.values[other] = 0.0;
+  const double size = variant.values[gain] = std::clamp(1.0, parameter.lower, parameter.upper);
+  return {models::make_effect(variant.type->info.name, variant.place, variant.values), size};
+}
+
 std::string Hypothesis::effect_names() const {
   std::string names;
   for (const auto& effect : model.effects) names.append(names.empty() ? "" : " + ").append(effect->info().name);
@@ -175,13 +203,9 @@ std::vector<Variant> search_variants(const AxisModel& model, DrivenBy driven_by)
       Variant variant{&type, place, {}};
       std::vector<std::pair<std::size_t, std::vector<double>>> choices;
       for (std::size_t i = 0; i < info.parameters.size(); ++i) {
-        const auto& search = info.parameters[i].search;
         variant.values.push_back(info.parameters[i].typical);
-        if (search.role != Role::choice) continue;
-        std::vector<double> values;
-        for (int k = 0; k < search.points; ++k)
-          values.push_back(search.points > 1 ? search.from + (search.to - search.from) * k / (search.points - 1)
-                                             : search.from);
+        const auto values = choices_of(info.parameters[i]);
+        if (values.empty()) continue;
         choices.emplace_back(i, values);
       }
       std::vector<Variant> chosen{variant};
@@ -190,7 +214,7 @@ std::vector<Variant> search_variants(const AxisModel& model, DrivenBy driven_by)
         for (const auto& one : chosen) {
           for (const double value : values) {
             next.push_back(one);
-            next.back().values[index] = std::clamp(value, info.parameters[index].lower, info.parameters[index].upper);
+            next.back().values[index] = value;
           }
         }
         chosen = std::move(next);
@@ -206,8 +230,9 @@ std::vector<ScanResult> scan(const Prediction& given, const Hypothesis& from, co
   const auto motion = prediction.run(from.model, true);
   // A missing effect acts along the true motion, which a poor model does not make: the recorded one is nearer to it,
   // the simulated one free of noise.
-  const auto recorded = prediction.recorded_motion(from.model);
-  const bool look_along_record = prediction.driven_by() == DrivenBy::force && from.model.effects.empty();
+  std::vector<Trajectory> motions{motion};
+  if (prediction.driven_by() == DrivenBy::force && from.model.effects.empty())
+    motions.push_back(prediction.recorded_motion(from.model));
   const Eigen::VectorXd residual = as_vector(prediction.train_residual(from.model));
   const OwnDirections own(sensitivity(prediction, from.model, from.free));
   const Eigen::VectorXd left = own.remove(residual);
@@ -249,18 +274,14 @@ std::vector<ScanResult> scan(const Prediction& given, const Hypothesis& from, co
         }
         return;
       }
-      for (const Trajectory* felt : {&motion, &recorded}) {
-        if (felt == &recorded && !look_along_record) break;
+      for (const auto& felt : motions) {
         // forces are proportional to their gains: one response each, gains by least squares
         Eigen::MatrixXd directions(residual.size(), static_cast<Eigen::Index>(gains.size()));
         std::vector<double> reference(gains.size());
         for (std::size_t g = 0; g < gains.size(); ++g) {
-          auto alone = trial;
-          for (const std::size_t other : gains) alone[other] = 0.0;
-          reference[g] = std::clamp(1.0, parameters[gains[g]].lower, parameters[gains[g]].upper);
-          alone[gains[g]] = reference[g];
-          const auto effect = models::make_effect(variant.type->info.name, variant.place, alone);
-          const auto response = first_order_response(from.model, *felt, *effect, prediction.driven_by(), settings);
+          const auto [effect, one] = unit_effect({variant.type, variant.place, trial}, gains, gains[g]);
+          reference[g] = one;
+          const auto response = first_order_response(from.model, felt, *effect, prediction.driven_by(), settings);
           directions.col(static_cast<Eigen::Index>(g)) = own.remove(as_vector(prediction.filtered_train(response)));
         }
         auto found = trial;
@@ -324,7 +345,6 @@ std::optional<Hypothesis> extend(const Prediction& prediction, const Hypothesis&
   const auto& parameters = variant.type->info.parameters;
   const bool has_gain =
       std::any_of(parameters.begin(), parameters.end(), [](const auto& p) { return p.search.role == Role::gain; });
-  const int number = static_cast<int>(from.model.effects.size());
   const auto with_gains = [&](const models::ArmParameters& arm, double share) {
     auto start = variant;
     for (std::size_t i = 0; i < parameters.size(); ++i) {
@@ -333,8 +353,7 @@ std::optional<Hypothesis> extend(const Prediction& prediction, const Hypothesis&
     }
     Hypothesis extended = from;
     extended.model.arm = arm;
-    extended.model = with_effect(extended.model, start);
-    for (const auto& p : effect_parameters(*extended.model.effects.back(), number, scale)) extended.free.push_back(p);
+    add_effect(extended, start, scale);
     return extended;
   };
   std::optional<Hypothesis> best;
@@ -346,7 +365,7 @@ std::optional<Hypothesis> extend(const Prediction& prediction, const Hypothesis&
     keep(refit(prediction, with_gains(from.model.arm, share), options));
     if (!has_gain || (best && best->train_cost < 1.0001 * from.train_cost)) break;
   }
-  if (number == 0 && from.model.base == models::BaseModel::arm5 && variant.place == Place::grasp) {
+  if (from.model.effects.empty() && from.model.base == models::BaseModel::arm5 && variant.place == Place::grasp) {
     // Alone, the base model bends itself towards the missing effect, sometimes too far to find back. At the grasp no
     // force scan helps: from a usual arm as well.
     std::optional<Hypothesis> usual;
@@ -364,33 +383,29 @@ std::optional<Hypothesis> extend_from(const Prediction& prediction, const Hypoth
   const auto motion = with_hold(prediction, from.hold).run(from.model, true);
   Hypothesis extended = from;
   extended.model.arm = arm;
-  extended.model = with_effect(extended.model, variant);
-  const int number = static_cast<int>(from.model.effects.size());
-  for (const auto& p : effect_parameters(*extended.model.effects.back(), number, scale_at(motion, variant.place)))
-    extended.free.push_back(p);
+  add_effect(extended, variant, scale_at(motion, variant.place));
   return refit(prediction, extended, options);
 }
 
 Hypothesis reconsider_choices(const Prediction& prediction, Hypothesis hypothesis) {
   if (hypothesis.model.effects.empty()) return hypothesis;
-  const std::size_t last = hypothesis.model.effects.size() - 1;
   const auto motion = with_hold(prediction, hypothesis.hold).run(hypothesis.model, true);
-  const auto& parameters = hypothesis.model.effects[last]->info().parameters;
+  const auto& parameters = hypothesis.model.effects.back()->info().parameters;
   for (std::size_t i = 0; i < parameters.size(); ++i) {
-    const auto& search = parameters[i].search;
-    if (search.role != Role::choice || search.points < 2) continue;
-    for (int k = 0; k < search.points; ++k) {
-      const auto& effect = *hypothesis.model.effects[last];
-      std::vector<double> values(effect.parameters().begin(), effect.parameters().end());
-      const double choice = search.from + (search.to - search.from) * k / (search.points - 1);
-      if (choice == values[i]) continue;
-      values[i] = choice;
+    const auto choices = choices_of(parameters[i]);
+    if (choices.size() < 2) continue;
+    for (const double choice : choices) {
+      const auto effect = hypothesis.model.effects.back();
+      if (choice == effect->parameters()[i]) continue;
+      Variant variant{&models::find_effect_type(effect->info().name),
+                      effect->place(),
+                      {effect->parameters().begin(), effect->parameters().end()}};
+      variant.values[i] = choice;
       Hypothesis other = hypothesis;
-      other.model.effects[last] = models::make_effect(effect.info().name, effect.place(), values);
-      std::erase_if(other.free, [&](const auto& p) { return p.effect == static_cast<int>(last); });
-      for (auto& p :
-           effect_parameters(*other.model.effects[last], static_cast<int>(last), scale_at(motion, effect.place())))
-        other.free.push_back(std::move(p));
+      other.model.effects.pop_back();
+      const int last = static_cast<int>(other.model.effects.size());
+      std::erase_if(other.free, [&](const auto& p) { return p.effect == last; });
+      add_effect(other, variant, scale_at(motion, variant.place));
       auto fitted = refit(prediction, other, {.most_iterations = 15, .tolerance = 1e-5});
       if (fitted && fitted->train_cost < 0.98 * hypothesis.train_cost) hypothesis = std::move(*fitted);
     }

@@ -33,6 +33,12 @@ void for_each_start(const Variant& variant, const MotionScale& scale,
                     const std::function<void(std::vector<double>)>& visit);
 /// Indices of the parameters that the variant's force is proportional to.
 std::vector<std::size_t> used_gains(const Variant& variant);
+/// The variant with one of its gains at 1, or the nearest that is admissible, and the others at zero.
+struct UnitEffect {
+  models::EffectPtr effect;
+  double size = 1.0;  ///< of that gain
+};
+UnitEffect unit_effect(Variant variant, const std::vector<std::size_t>& gains, std::size_t gain);
 
 /// A model with the parameters that belong to it and how well it predicts.
 struct Hypothesis {

@@ -4,29 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "identify/explain/place_effects.h"
 #include "identify/explain/signals.h"
 
 namespace handloop::identify {
 namespace {
 
 constexpr double kBandwidth_Hz = 15.0;  // acceleration from measured positions is noise above it
-
-/// Force of an effect along a motion.
-std::vector<double> force_along(const models::Effect& effect, const models::PortBase& base, const PlaceMotion& motion,
-                                double sample_time_s) {
-  const std::size_t samples = motion.x_m.size();
-  PlaceEffects acting(effect, base, sample_time_s, samples, 0.0);
-  std::vector<double> force(samples);
-  for (std::size_t i = 0; i < samples; ++i) {
-    const double a = i == 0 ? 0.0 : (motion.v_m_per_s[i] - motion.v_m_per_s[i - 1]) / sample_time_s;
-    force[i] = acting.force_N(i, motion.x_m[i], motion.v_m_per_s[i], a);
-    acting.remember(i, motion.x_m[i], motion.v_m_per_s[i]);
-    if (i + 1 < samples)
-      acting.advance(i, motion.x_m[i], motion.v_m_per_s[i], motion.x_m[i + 1], motion.v_m_per_s[i + 1]);
-  }
-  return force;
-}
 
 /// Coefficients within sign constraints: a column whose coefficient leaves its range is left out. The first three are
 /// mass, damper and spring, which cannot be negative.
@@ -87,10 +70,8 @@ ForceStart ForceView::regress(const Variant& variant) const {
   Eigen::Index next = 0;
   for (const auto& one : known_) columns.col(next++) = one;
   for (const auto gain : gains) {
-    auto alone = variant.values;
-    for (const auto other : gains) alone[other] = 0.0;
-    alone[gain] = std::clamp(1.0, parameters[gain].lower, parameters[gain].upper);
-    columns.col(next++) = column(*models::make_effect(variant.type->info.name, variant.place, alone)) / alone[gain];
+    const auto [effect, size] = unit_effect(variant, gains, gain);
+    columns.col(next++) = column(*effect) / size;
   }
   Eigen::VectorXd felt = force_;
   if (gains.empty()) {
@@ -120,7 +101,7 @@ Eigen::VectorXd ForceView::acceleration(const PlaceMotion& at) const {
 
 Eigen::VectorXd ForceView::column(const models::Effect& effect) const {
   const auto& at = motion_.at(effect.place());
-  Eigen::VectorXd force = seen(force_along(effect, model_.port_base(effect.place()), at, prediction_.sample_time_s()));
+  Eigen::VectorXd force = seen(force_along(model_, effect, motion_, prediction_.options(true)));
   if (const double mass = effect.added_mass_kg(0.0); mass > 0) force += mass * acceleration(at);
   return force;
 }

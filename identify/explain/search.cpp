@@ -196,10 +196,6 @@ SearchResult search_effects(const Prediction& prediction, const Hypothesis& base
         if (seen.insert(key).second) extended.emplace_back(std::move(*fitted), candidate.share);
       }
     }
-    std::sort(extended.begin(), extended.end(), [](const auto& a, const auto& b) {
-      return a.first.errors.filtered_validation < b.first.errors.filtered_validation;
-    });
-    if (extended.empty()) break;
     const auto by_error = [](const auto& x, const auto& y) {
       return x.first.errors.filtered_validation < y.first.errors.filtered_validation;
     };

@@ -1,18 +1,9 @@
 #include "models/effects/effect.h"
 
 #include "models/errors.h"
+#include "models/polynomial.h"
 
 namespace handloop::models {
-namespace {
-
-std::complex<double> evaluate(const std::vector<double>& polynomial, std::complex<double> s) {
-  std::complex<double> value = 0;
-  for (const double coefficient : polynomial) value = value * s + coefficient;
-  return value;
-}
-
-}  // namespace
-
 std::string_view place_name(Place place) {
   switch (place) {
     case Place::arm:
@@ -44,7 +35,8 @@ std::size_t EffectInfo::parameter_index(std::string_view key) const {
 
 std::complex<double> LinearElement::operator()(std::complex<double> s) const {
   std::complex<double> value = (mass_kg * s + damping_Ns_per_m) * s + stiffness_N_per_m;
-  if (!numerator.empty()) value += std::exp(-s * delay_s) * evaluate(numerator, s) / evaluate(denominator, s);
+  if (!numerator.empty())
+    value += std::exp(-s * delay_s) * evaluate_polynomial(numerator, s) / evaluate_polynomial(denominator, s);
   return value;
 }
 

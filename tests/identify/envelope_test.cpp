@@ -7,7 +7,7 @@
 
 #include "identify/variability.h"
 #include "models/arm_tables.h"
-#include "tests/support/arm_recording.h"
+#include "tests/support/arm_responses.h"
 
 namespace handloop::identify {
 namespace {
@@ -55,18 +55,7 @@ TEST(Envelope, LiesOnTheDataAndNeverBelow) {
   const std::array<models::ArmParameters, 3> nominal{
       models::nominal_arm(models::Axis::x), models::nominal_arm(models::Axis::y), models::nominal_arm(models::Axis::z)};
   for (int axis = 0; axis < 3; ++axis) {
-    std::vector<FrequencyResponse> responses;
-    for (const auto& arm : test::random_arms(axis, 45, 9)) {
-      FrequencyResponse r;
-      for (int n = 1; n <= 57; ++n) {
-        r.frequency_Hz.push_back(n / 1.914);
-        r.response.push_back(
-            models::compliance(models::arm_from_array(arm), Complex(0, 2 * std::numbers::pi * n / 1.914)));
-        r.coherence.push_back(1);
-        r.variance.push_back(0);
-      }
-      responses.push_back(r);
-    }
+    const auto responses = test::arms_as_responses(axis, 45, 9);
     const auto w = unstructured_variability(responses, nominal[static_cast<std::size_t>(axis)]);
     for (const auto& dB : {w.maximum_dB, w.percentile67_dB}) {
       const Curve c{w.frequency_Hz, dB};

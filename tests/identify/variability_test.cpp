@@ -8,7 +8,7 @@
 #include <random>
 
 #include "identify/minimum_circle.h"
-#include "tests/support/arm_recording.h"
+#include "tests/support/arm_responses.h"
 
 namespace handloop::identify {
 namespace {
@@ -81,24 +81,8 @@ TEST(Describe, GivesTheEightStatisticsOfTableThree) {
   EXPECT_EQ(describe(values, models::PercentileReading::central).ci95_minimum, 2);
 }
 
-std::vector<FrequencyResponse> arms_as_responses(int axis, std::size_t count) {
-  std::vector<FrequencyResponse> out;
-  for (const auto& arm : test::random_arms(axis, count, 4)) {
-    FrequencyResponse r;
-    for (int n = 1; n <= 57; ++n) {
-      r.frequency_Hz.push_back(n / 1.914);
-      r.response.push_back(
-          models::compliance(models::arm_from_array(arm), Complex(0, 2 * std::numbers::pi * n / 1.914)));
-      r.coherence.push_back(0.9);
-      r.variance.push_back(1e-10);
-    }
-    out.push_back(r);
-  }
-  return out;
-}
-
 TEST(Variability, UnstructuredIsTheRelativeDistanceFromTheNominalArm) {
-  const auto responses = arms_as_responses(0, 45);
+  const auto responses = test::arms_as_responses(0, 45, 4);
   const models::ArmParameters nominal{0.2179, 379.5, 78.75, 1.839, 4.645};
   const auto w = unstructured_variability(responses, nominal);
   for (std::size_t n = 0; n < w.frequency_Hz.size(); n += 8) {
@@ -117,7 +101,7 @@ TEST(Variability, UnstructuredIsTheRelativeDistanceFromTheNominalArm) {
 }
 
 TEST(Variability, CentralResponseIsNoFurtherFromAnyArmThanTheMean) {
-  const auto responses = arms_as_responses(1, 45);
+  const auto responses = test::arms_as_responses(1, 45, 4);
   const auto centre = central_response(responses), mean = mean_response(responses);
   for (std::size_t n = 0; n < centre.size(); ++n) {
     double from_centre = 0, from_mean = 0;

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
 #include <fstream>
 #include <functional>
@@ -25,6 +26,16 @@ bool soon(const std::function<bool()>& come) {
   return false;
 }
 
+/// Starts work that ends only where it is cancelled, and waits until it runs.
+bool begin_endless(LatestJob<int>& job, std::atomic<bool>& begun) {
+  job.request([&](JobContext& context) {
+    begun = true;
+    while (!context.cancelled()) std::this_thread::sleep_for(1ms);
+    return std::optional(1);
+  });
+  return soon([&] { return begun.load(); });
+}
+
 TEST(LatestJob, GivesTheAnswerOnce) {
   LatestJob<int> job;
   job.request([](JobContext&) { return std::optional(7); });
@@ -38,12 +49,7 @@ TEST(LatestJob, GivesTheAnswerOnce) {
 TEST(LatestJob, StopsWhatIsOutdatedAndAnswersTheNewest) {
   LatestJob<int> job;
   std::atomic<bool> begun{false};
-  job.request([&](JobContext& context) {
-    begun = true;
-    while (!context.cancelled()) std::this_thread::sleep_for(1ms);
-    return std::optional(1);
-  });
-  ASSERT_TRUE(soon([&] { return begun.load(); }));
+  ASSERT_TRUE(begin_endless(job, begun));
   job.request([](JobContext&) { return std::optional(2); });
   std::optional<int> answer;
   ASSERT_TRUE(soon([&] { return (answer = job.take()).has_value(); }));
@@ -53,12 +59,7 @@ TEST(LatestJob, StopsWhatIsOutdatedAndAnswersTheNewest) {
 TEST(LatestJob, AnswersNothingThatWasCancelled) {
   LatestJob<int> job;
   std::atomic<bool> begun{false};
-  job.request([&](JobContext& context) {
-    begun = true;
-    while (!context.cancelled()) std::this_thread::sleep_for(1ms);
-    return std::optional(1);
-  });
-  ASSERT_TRUE(soon([&] { return begun.load(); }));
+  ASSERT_TRUE(begin_endless(job, begun));
   job.cancel();
   ASSERT_TRUE(soon([&] { return !job.busy(); }));
   EXPECT_FALSE(job.take());
