@@ -183,7 +183,10 @@ Errors Prediction::errors(const models::AxisModel& model) const {
   const auto skip = from > 0 ? from : std::min(filtered.size() / 4, static_cast<std::size_t>(filter_.settle_s / h));
   const auto thinned = decimated(std::span(filtered).subspan(skip), factor);
   errors.filtered_validation = rms(thinned);
-  const auto block = static_cast<std::size_t>(std::max(1.0, 1.0 / (h * static_cast<double>(factor))));
+  // one second, or less where a short record would leave too few to tell a steady gain from a lucky one
+  constexpr std::size_t kFewestBlocks = 16;
+  const auto second = static_cast<std::size_t>(std::max(1.0, 1.0 / (h * static_cast<double>(factor))));
+  const auto block = std::clamp<std::size_t>(thinned.size() / kFewestBlocks, 1, second);
   for (std::size_t i = 0; i + block <= thinned.size(); i += block) {
     const double value = rms(std::span(thinned).subspan(i, block));
     errors.blocks_validation.push_back(value * value);

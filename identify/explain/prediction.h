@@ -22,7 +22,7 @@ struct Errors {
   double nrmse_validation = 0.0;  ///< over the standard deviation of the measured output
   double filtered_train = 0.0;    ///< rms of the filtered error
   double filtered_validation = 0.0;
-  std::vector<double> blocks_validation;  ///< mean square of the filtered error in each second held out
+  std::vector<double> blocks_validation;  ///< mean square of the filtered held-out error, second by second; at least 16
   bool finite = true;
 };
 
