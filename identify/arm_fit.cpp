@@ -339,6 +339,20 @@ bool stiffer_grasp(const ArmParameters& arm) {
   return arm.k1_N_per_m > arm.k2_N_per_m;
 }
 
+/// As many steps as tell which starts lead to the same place.
+constexpr LeastSquaresSettings kFewSteps{7, 1e-4, 1e-6};
+
+/// Enough steps to come near the end from a start that is near already; what then still costs this many times as much
+/// as the best is in a worse basin.
+constexpr LeastSquaresSettings kMoreSteps{16, 1e-6, 1e-7};
+constexpr double kHopeless = 2.0;
+/// Relative distance of every parameter below which two runners have met.
+constexpr double kMet = 1e-2;
+
+bool better(const Optimum& a, const Optimum& b) {
+  return a.cost < b.cost;
+}
+
 /// A few steps from each start, the two basins exchanged included; those that got furthest, best first, alike ones
 /// once.
 std::vector<Optimum> race(const FitProblem& problem, double scale) {
@@ -350,9 +364,7 @@ std::vector<Optimum> race(const FitProblem& problem, double scale) {
   }
   const auto starts = arm_starts(problem.measured, problem.weight, problem.settings.bounds, kStarts);
   if (starts.empty()) throw InputError("the response is not that of an arm: no start could be found from it");
-  constexpr LeastSquaresSettings kFewSteps{7, 1e-4, 1e-6};
   std::vector<Optimum> runners;
-  const auto better = [](const Optimum& a, const Optimum& b) { return a.cost < b.cost; };
   for (const auto& start : starts) runners.push_back(optimise(problem, start, 0.0, scale, kFewSteps));
   // With little mass grasp and arm are two dampers with springs, and may have found each other's place.
   const ArmParameters leader = std::min_element(runners.begin(), runners.end(), better)->arm;
@@ -383,7 +395,6 @@ ArmFit fit_arm(const FrequencyResponse& measured, const ArmFitSettings& settings
   for (std::size_t i = 0; i < std::min(kFinalists, leaders.size()); ++i) {
     finals.push_back(optimise(problem, leaders[i].arm, leaders[i].delay_samples, scale));
   }
-  const auto better = [](const Optimum& a, const Optimum& b) { return a.cost < b.cost; };
   Optimum best = *std::min_element(finals.begin(), finals.end(), better);
   const double tie = kTie * best.cost;
   for (const auto& other : finals) {
@@ -408,6 +419,26 @@ ArmFit refit_arm(const FrequencyResponse& measured, const ArmFitSettings& settin
   const FitProblem problem{measured, weight, settings};
   return finish(problem,
                 optimise(problem, start, start_delay_s / settings.sample_time_s, residual_scale(measured, weight)));
+}
+
+ArmFit refit_arm(const FrequencyResponse& measured, const ArmFitSettings& settings,
+                 std::span<const ArmParameters> starts) {
+  const auto weight = frequency_weights(measured, settings.weight);
+  const FitProblem problem{measured, weight, settings};
+  const double scale = residual_scale(measured, weight);
+  std::vector<Optimum> runners;
+  for (const auto& start : starts) runners.push_back(optimise(problem, start, 0.0, scale, kMoreSteps));
+  std::sort(runners.begin(), runners.end(), better);
+  std::vector<Optimum> finals;
+  for (const auto& r : runners) {
+    const auto v = vector_of(r.arm);
+    const bool known = std::any_of(finals.begin(), finals.end(), [&](const Optimum& other) {
+      return (v - vector_of(other.arm)).cwiseQuotient(v).cwiseAbs().maxCoeff() < kMet;
+    });
+    if (!known && r.cost <= kHopeless * runners.front().cost)
+      finals.push_back(optimise(problem, r.arm, r.delay_samples, scale));
+  }
+  return finish(problem, *std::min_element(finals.begin(), finals.end(), better));
 }
 
 }  // namespace handloop::identify

@@ -3,6 +3,7 @@
 #include <array>
 #include <complex>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -59,6 +60,11 @@ ArmFit fit_arm(const FrequencyResponse& measured, const ArmFitSettings& settings
 /// The same from one given start, for a refit near a known optimum.
 ArmFit refit_arm(const FrequencyResponse& measured, const ArmFitSettings& settings, const models::ArmParameters& start,
                  double start_delay_s = 0.0);
+
+/// The best of the fits from several given starts. Starts that meet after a few steps go on as one, and only the answer
+/// gets intervals and warnings: far cheaper than as many refits.
+ArmFit refit_arm(const FrequencyResponse& measured, const ArmFitSettings& settings,
+                 std::span<const models::ArmParameters> starts);
 
 /// The fits that fit_arm() would choose its answer from, unfinished and best first: for another cost to choose among.
 std::vector<models::ArmParameters> arm_candidates(const FrequencyResponse& measured, const ArmFitSettings& settings,

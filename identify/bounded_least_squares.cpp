@@ -44,7 +44,7 @@ LeastSquaresResult minimise(const ResidualFunction& function, Eigen::Index resid
     problem.SetParameterUpperBound(result.x.data(), i, upper(i));
   }
   ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_QR;
+  options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
   options.max_num_iterations = settings.max_iterations;
   options.function_tolerance = settings.function_tolerance;
   options.parameter_tolerance = settings.parameter_tolerance;

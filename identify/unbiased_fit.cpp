@@ -68,14 +68,8 @@ UnbiasedFit fit_arm_unbiased(std::span<const double> force_N, std::span<const do
   ArmFitSettings first_settings = fit_settings;
   first_settings.weight = FitWeight::coherence;
   fit_settings.fit_delay = true;
-  ArmFit rough;
-  rough.cost = std::numeric_limits<double>::infinity();
-  std::vector<models::ArmParameters> starts;
-  for (const auto& start : arm_candidates(bands, first_settings, kCandidates)) {
-    const ArmFit candidate = refit_arm(bands, fit_settings, start);
-    starts.push_back(start);
-    if (candidate.cost < rough.cost) rough = candidate;
-  }
+  const std::vector<models::ArmParameters> starts = arm_candidates(bands, first_settings, kCandidates);
+  const ArmFit rough = refit_arm(bands, fit_settings, starts);
   UnbiasedFit out;
   out.response = record.flattened(
       [&](double w) { return std::polar(1.0, -w * rough.delay_s) * models::compliance(rough.arm, Complex(0, w)); });
@@ -91,11 +85,7 @@ UnbiasedFit fit_arm_unbiased(std::span<const double> force_N, std::span<const do
     fit_settings.hold = kHolds[h];
     // With a free delay grasp and arm can change places unnoticed; without one they cannot. So every candidate starts
     // here.
-    fits[h].cost = std::numeric_limits<double>::infinity();
-    for (const auto& start : starts) {
-      const ArmFit candidate = refit_arm(out.response, fit_settings, start);
-      if (candidate.cost < fits[h].cost) fits[h] = candidate;
-    }
+    fits[h] = refit_arm(out.response, fit_settings, starts);
     out.hold_misfit[h] = chi_squared(fits[h]);
     if (out.hold_misfit[h] < out.hold_misfit[best] || settings.hold) best = h;
   }
