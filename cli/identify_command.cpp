@@ -15,7 +15,7 @@ namespace {
 
 struct Options {
   std::vector<std::string> recordings;
-  std::string index, method = "unbiased", axis, hold = "auto", percentiles = "ecdf", out;
+  std::string index, method = "unbiased", spectra = "welch", axis, hold = "auto", percentiles = "ecdf", out;
   io::RecordingOptions columns;
   bool skip_bad = false;
   unsigned jobs = 0;
@@ -64,13 +64,14 @@ void print_summary(const studies::Identification& result, const std::string& out
 
 void run(const Options& options) {
   if (options.recordings.empty() == options.index.empty()) {
-    throw InputError("identify: name recordings or give --index DIR/index.csv (one of the two)");
+    throw InputError("identify: name recordings or their directory, or give --index DIR/index.csv (one of the two)");
   }
   studies::IdentificationRequest request;
   request.recordings.assign(options.recordings.begin(), options.recordings.end());
   request.index = options.index;
   if (!options.axis.empty()) request.axis = models::parse_axis(options.axis);
   if (options.method == "paper") request.method = studies::IdentificationMethod::paper;
+  if (options.spectra == "local") request.spectra = studies::SpectralEstimate::local;
   request.columns = options.columns;
   request.hold = parse_hold(options.hold);
   request.percentiles = models::parse_percentile_reading(options.percentiles);
@@ -87,13 +88,18 @@ void add_identify_command(CLI::App& program) {
   auto* command =
       program.add_subcommand("identify", "Fit arms to recordings; their statistics, variability and envelopes");
   const auto options = std::make_shared<Options>();
-  command->add_option("recordings", options->recordings, "CSV or .mat recordings of force and position");
+  command->add_option("recordings", options->recordings,
+                      "CSV or .mat recordings of force and position, or a directory of them");
   command->add_option("--index", options->index,
                       "index.csv of an experiment: trial,subject,grip,axis beside its recordings");
   command
       ->add_option("--method", options->method,
                    "paper: as Fu and Cavusoglu; unbiased (default): hold and leakage accounted for")
       ->check(CLI::IsMember({"paper", "unbiased"}));
+  command
+      ->add_option("--spectra", options->spectra,
+                   "what the paper's method fits: welch (default), or local polynomials, without leakage")
+      ->check(CLI::IsMember({"welch", "local"}));
   command->add_option("--axis", options->axis, "axis of the named recordings: x, y or z");
   command->add_option(
       "--hold", options->hold,

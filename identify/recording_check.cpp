@@ -16,13 +16,21 @@ namespace {
 constexpr double kLargestPosition_m = 0.3;
 constexpr double kLargestForce_N = 300.0;
 
+constexpr double kLowestRate_Hz = 20.0;
+
 /// Share of samples at an extreme value above which a channel counts as limited, and time without any change above
 /// which it counts as stuck.
 constexpr double kLimitedShare = 0.002;
 constexpr double kStuck_s = 2.0;
 
+/// Distance from the mean, in rms, that no motion has: one sample among thousands does, a glitch of the sensor. Above
+/// the larger limit the rest of the signal is lost beside it.
+constexpr double kPeakDoubted = 25.0, kPeakRefused = 100.0;
+
 struct Channel {
-  double rms = 0, low = 0, high = 0;
+  double mean = 0, rms = 0, low = 0, high = 0;
+  double peak = 0.0;  ///< of the sample farthest from the mean
+  std::size_t peak_at = 0;
   std::size_t at_low = 0, at_high = 0;
   std::size_t longest_run = 0, run_start = 0;
 };
@@ -30,7 +38,6 @@ struct Channel {
 Channel examine(std::span<const double> signal, const std::string& name, const char* column) {
   Channel c;
   c.low = c.high = signal[0];
-  double mean = 0;
   for (std::size_t n = 0; n < signal.size(); ++n) {
     if (!std::isfinite(signal[n])) {
       throw InputError(
@@ -38,7 +45,7 @@ Channel examine(std::span<const double> signal, const std::string& name, const c
     }
     c.low = std::min(c.low, signal[n]);
     c.high = std::max(c.high, signal[n]);
-    mean += signal[n] / static_cast<double>(signal.size());
+    c.mean += signal[n] / static_cast<double>(signal.size());
   }
   if (!(c.high > c.low)) {
     throw InputError(
@@ -48,7 +55,11 @@ Channel examine(std::span<const double> signal, const std::string& name, const c
   const double width = 1e-9 * (c.high - c.low);
   std::size_t run = 1;
   for (std::size_t n = 0; n < signal.size(); ++n) {
-    c.rms += (signal[n] - mean) * (signal[n] - mean) / static_cast<double>(signal.size());
+    c.rms += (signal[n] - c.mean) * (signal[n] - c.mean) / static_cast<double>(signal.size());
+    if (std::abs(signal[n] - c.mean) > std::abs(c.peak - c.mean) || n == 0) {
+      c.peak = signal[n];
+      c.peak_at = n;
+    }
     c.at_low += signal[n] <= c.low + width;
     c.at_high += signal[n] >= c.high - width;
     run = n > 0 && signal[n] == signal[n - 1] ? run + 1 : 1;
@@ -58,6 +69,12 @@ Channel examine(std::span<const double> signal, const std::string& name, const c
     }
   }
   c.rms = std::sqrt(c.rms);
+  if (std::abs(c.peak - c.mean) > kPeakRefused * c.rms) {
+    throw InputError(
+        fmt::format("{}: {} is {:.6g} at sample {}, {:.3g} times its rms: one sample beside which the rest "
+                    "is nothing, a glitch of the sensor; repair it or cut the recording there",
+                    name, column, c.peak, c.peak_at + 1, std::abs(c.peak - c.mean) / c.rms));
+  }
   return c;
 }
 
@@ -72,6 +89,10 @@ void doubt(const Channel& c, const char* column, const models::Recording& record
                       "there (and not the force itself limited), the fit is wrong",
                       column, value, 100 * share));
     }
+  }
+  if (std::abs(c.peak - c.mean) > kPeakDoubted * c.rms) {
+    doubts.push_back(fmt::format("{} is {:.6g} at sample {}, {:.3g} times its rms: a glitch of the sensor?", column,
+                                 c.peak, c.peak_at + 1, std::abs(c.peak - c.mean) / c.rms));
   }
   const double stuck = static_cast<double>(c.longest_run) * recording.sample_time_s;
   if (stuck > kStuck_s) {
@@ -89,6 +110,12 @@ std::vector<std::string> check_recording(const models::Recording& recording) {
                                  recording.size(), recording.position_m.size()));
   }
   if (!(recording.sample_time_s > 0)) throw InputError(fmt::format("{}: no sampling rate; give it with --rate", name));
+  if (1 / recording.sample_time_s < kLowestRate_Hz) {
+    throw InputError(
+        fmt::format("{}: sampled at {:.3g} Hz; an arm's resonance at 2 to 4 Hz asks for {:g} Hz or more (are "
+                    "the times milliseconds? Then name the column time_ms, or give --rate)",
+                    name, 1 / recording.sample_time_s, kLowestRate_Hz));
+  }
   const Channel force = examine(recording.force_N, name, "the force");
   const Channel position = examine(recording.position_m, name, "the position");
   if (!recording.rotary && recording.position_unit == "m" && recording.force_unit == "N") {

@@ -29,7 +29,7 @@ struct Channel {
 
 /// What a file gave, before it is checked.
 struct Channels {
-  Channel time;  ///< empty where a rate was given
+  Channel time;  ///< empty where a rate was given and the file has no times
   Channel force, position, grip_force;
   /// "FILE, line 12" or "FILE, element 12" of a row from 0.
   std::function<std::string(std::size_t row)> place;
@@ -88,8 +88,8 @@ Channels from_csv(const CsvFile& file, const RecordingOptions& options) {
     wanted.push_back(*column);
     targets.push_back(target);
   };
-  if (!(options.rate_Hz > 0))
-    want(choose(file, options.time, kTimeNames, "--time (or give --rate HZ)", true), &Channels::time);
+  const bool needs_time = !(options.rate_Hz > 0);
+  want(choose(file, options.time, kTimeNames, "--time (or give --rate HZ)", needs_time), &Channels::time);
   want(choose(file, options.force, kForceNames, "--force", true), &Channels::force);
   want(choose(file, options.position, kPositionNames, "--position", true), &Channels::position);
   want(choose(file, options.grip_force, kGripNames, "", false), &Channels::grip_force);
@@ -129,7 +129,7 @@ Channels from_mat(const std::filesystem::path& path, const RecordingOptions& opt
                                  asked.empty() ? fmt::format("; choose one with {}", flag) : ""));
   };
   Channels channels;
-  if (!(options.rate_Hz > 0)) channels.time = pick(options.time, kTimeNames, "--time (or give --rate HZ)", true);
+  channels.time = pick(options.time, kTimeNames, "--time (or give --rate HZ)", !(options.rate_Hz > 0));
   channels.force = pick(options.force, kForceNames, "--force", true);
   channels.position = pick(options.position, kPositionNames, "--position", true);
   channels.grip_force = pick(options.grip_force, kGripNames, "", false);
@@ -193,6 +193,21 @@ double uniform_sample_time_s(const Channels& channels) {
   return 1 / (std::abs(rate - round_rate) < 1e-6 * rate && round_rate > 0 ? round_rate : rate);
 }
 
+/// A rate that was given must be that of the times, where there are any: one of the two is a mistake, and mass goes
+/// with its square. Times may be written with few digits.
+void require_agreement(const Channels& channels, double rate_Hz) {
+  constexpr double kAgreement = 0.02;
+  const auto& time = channels.time.values;
+  if (time.size() < 2) return;
+  const double span_s = (time.back() - time.front()) * seconds_per_unit(channels.time.name);
+  const double recorded_Hz = static_cast<double>(time.size() - 1) / span_s;
+  if (std::isfinite(recorded_Hz) && std::abs(recorded_Hz / rate_Hz - 1) < kAgreement) return;
+  throw InputError(
+      fmt::format("{}: {} runs over {:.6g} s in {} rows ({:.6g} Hz), not at --rate {:g}; leave out --rate, "
+                  "or the column where its times are wrong",
+                  channels.place(0), channels.time.name, span_s, time.size(), recorded_Hz, rate_Hz));
+}
+
 void require_varying(const Channels& channels, const Channel& channel) {
   const auto& values = channel.values;
   if (std::adjacent_find(values.begin(), values.end(), std::not_equal_to<>()) != values.end()) return;
@@ -210,6 +225,7 @@ Recording check(Channels channels, const std::string& name, const RecordingOptio
   Recording recording;
   recording.name = name;
   if (options.rate_Hz > 0) {
+    require_agreement(channels, options.rate_Hz);
     recording.sample_time_s = 1 / options.rate_Hz;
   } else {
     recording.sample_time_s = uniform_sample_time_s(channels);

@@ -11,6 +11,7 @@
 #include <numeric>
 #include <thread>
 
+#include "identify/local_polynomial.h"
 #include "identify/recording_check.h"
 #include "identify/spectra.h"
 #include "io/output.h"
@@ -51,9 +52,32 @@ void judge_in_time(TrialFit& out, const models::Recording& recording) {
 }
 
 std::vector<IndexedTrial> trials_of(const IdentificationRequest& request) {
+  namespace fs = std::filesystem;
   if (!request.index.empty()) return read_trial_index(request.index);
+  if (request.recordings.size() == 1 && fs::is_regular_file(request.recordings.front() / "index.csv")) {
+    return read_trial_index(request.recordings.front() / "index.csv");
+  }
+  std::vector<fs::path> files;
+  for (const auto& path : request.recordings) {
+    if (!fs::is_directory(path)) {
+      files.push_back(path);
+      continue;
+    }
+    const std::size_t before = files.size();
+    for (const auto& entry : fs::directory_iterator(path)) {
+      const auto extension = entry.path().extension();
+      if (entry.is_regular_file() && (extension == ".csv" || extension == ".mat")) files.push_back(entry.path());
+    }
+    if (files.size() == before) {
+      throw InputError(
+          fmt::format("{}: holds no .csv or .mat recordings; give recordings, or the directory of an "
+                      "experiment",
+                      path.string()));
+    }
+    std::sort(files.begin() + static_cast<std::ptrdiff_t>(before), files.end());
+  }
   std::vector<IndexedTrial> trials;
-  for (const auto& file : request.recordings) {
+  for (const auto& file : files) {
     IndexedTrial t;
     t.trial = static_cast<int>(trials.size()) + 1;
     t.axis = request.axis;
@@ -63,7 +87,25 @@ std::vector<IndexedTrial> trials_of(const IdentificationRequest& request) {
   return trials;
 }
 
+/// What the paper's method fits eq. (1) to.
+identify::FrequencyResponse paper_response(const models::Recording& recording, SpectralEstimate spectra) {
+  const double T = recording.sample_time_s;
+  const auto segments = identify::paper_settings(T);
+  if (spectra == SpectralEstimate::welch) {
+    return identify::frequency_response(identify::welch(recording.force_N, recording.position_m, T, segments));
+  }
+  std::vector<double> frequencies;
+  for (std::size_t bin = segments.first_bin; bin <= segments.last_bin; ++bin) {
+    frequencies.push_back(static_cast<double>(bin) / (static_cast<double>(segments.segment) * T));
+  }
+  return identify::local_polynomial_response(recording.force_N, recording.position_m, T, {}, frequencies);
+}
+
 }  // namespace
+
+std::string_view spectra_name(SpectralEstimate spectra) {
+  return spectra == SpectralEstimate::welch ? "welch" : "local";
+}
 
 std::string_view method_name(IdentificationMethod method) {
   return method == IdentificationMethod::paper ? "paper" : "unbiased";
@@ -78,9 +120,11 @@ IdentifiedTrial identify_recording(const models::Recording& recording, const Ide
   const double T = recording.sample_time_s;
   try {
     auto& paper = out.fits[static_cast<std::size_t>(IdentificationMethod::paper)];
-    paper.response = identify::frequency_response(
-        identify::welch(recording.force_N, recording.position_m, T, identify::paper_settings(T)));
-    paper.fit = identify::fit_arm(paper.response);
+    paper.response = paper_response(recording, request.spectra);
+    identify::ArmFitSettings paper_fit;
+    // Neighbouring answers of the local polynomials share hardly a line.
+    if (request.spectra == SpectralEstimate::local) paper_fit.error_correlation = {1, 0, 0};
+    paper.fit = identify::fit_arm(paper.response, paper_fit);
     judge_in_time(paper, recording);
 
     identify::UnbiasedSettings settings;
@@ -103,6 +147,7 @@ Identification run_identification(const IdentificationRequest& request, const Pr
   if (trials.empty()) throw InputError("identify: no recordings; name them, or give --index DIR/index.csv");
   Identification out;
   out.method = request.method;
+  out.spectra = request.spectra;
   out.percentiles = request.percentiles;
 
   std::vector<std::optional<IdentifiedTrial>> done(trials.size());

@@ -22,11 +22,18 @@ namespace handloop::studies {
 enum class IdentificationMethod { paper, unbiased };
 std::string_view method_name(IdentificationMethod method);
 
+/// Where the paper's method takes its frequency response from: Welch's averaged segments as the paper does, or the
+/// local polynomial method at the same frequencies, which has no leakage to speak of.
+enum class SpectralEstimate { welch, local };
+std::string_view spectra_name(SpectralEstimate spectra);
+
 struct IdentificationRequest {
-  std::vector<std::filesystem::path> recordings;  ///< either these
-  std::filesystem::path index;                    ///< or an index
-  std::optional<models::Axis> axis;               ///< of `recordings`
+  /// Either these; a directory stands for its index.csv, or for every .csv and .mat file in it.
+  std::vector<std::filesystem::path> recordings;
+  std::filesystem::path index;       ///< or an index
+  std::optional<models::Axis> axis;  ///< of `recordings`
   IdentificationMethod method = IdentificationMethod::unbiased;
+  SpectralEstimate spectra = SpectralEstimate::welch;
   io::RecordingOptions columns;
   std::optional<identify::Hold> hold;  ///< of the unbiased method; none: each recording decides
   models::PercentileReading percentiles = models::PercentileReading::ecdf;
@@ -80,6 +87,7 @@ struct AxisSet {
 
 struct Identification {
   IdentificationMethod method = IdentificationMethod::unbiased;
+  SpectralEstimate spectra = SpectralEstimate::welch;
   models::PercentileReading percentiles = models::PercentileReading::ecdf;
   std::vector<IdentifiedTrial> trials;
   std::vector<AxisSet> sets;         ///< of the method, by axis

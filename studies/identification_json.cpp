@@ -118,6 +118,7 @@ std::string statistics_json(const Identification& identification) {
   const auto method = identification.method;
   const bool paper = method == IdentificationMethod::paper;
   ordered_json out{{"method", method_name(method)},
+                   {"spectra", spectra_name(identification.spectra)},
                    {"percentiles", models::percentile_reading_name(identification.percentiles)},
                    {"trials", identification.trials.size()},
                    {"axes", by_axis(identification.sets)}};

@@ -351,9 +351,12 @@ void both_methods(Report& report, const Identification& result) {
   report.table(table);
   report.callout(
       Report::Tone::note,
-      "The paper's method averages segments of 1.9 s, whose leakage lowers M and raises b2, and takes the force for "
-      "continuous: where it was held between samples, half a sample of delay goes into b1. The unbiased method "
-      "transforms the whole record, and the hold is part of its model.");
+      fmt::format("{}, and takes the force for continuous: where it was held between samples, half a sample of delay "
+                  "goes into b1. The unbiased method transforms the whole record, and the hold is part of its model.",
+                  result.spectra == SpectralEstimate::welch
+                      ? "The paper's method averages segments of 1.9 s, whose leakage lowers M and raises b2"
+                      : "The paper's fit has its frequency response from local polynomials here (`--spectra local`), "
+                        "without the leakage of the paper's segments of 1.9 s"));
   std::map<std::string, int> holds;
   int unclear = 0, delayed = 0;
   for (const auto& t : result.trials) {

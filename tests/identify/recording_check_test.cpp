@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "models/errors.h"
@@ -65,6 +66,35 @@ TEST(RecordingCheck, DoubtsALimitedOrStuckChannel) {
   doubts = check_recording(r);
   ASSERT_EQ(doubts.size(), 1u);
   EXPECT_NE(doubts[0].find("3 s from t = 5.000 s"), std::string::npos);
+}
+
+TEST(RecordingCheck, NamesAGlitchByItsSampleAndARateTooLow) {
+  models::Recording r;
+  r.name = "hand";
+  r.sample_time_s = 0.001;
+  for (int n = 0; n < 20000; ++n) {
+    r.force_N.push_back(std::sin(0.01 * n));
+    r.position_m.push_back(0.002 * std::sin(0.01 * n - 0.3));
+  }
+  EXPECT_TRUE(check_recording(r).empty());
+  const double whole = r.position_m[777];
+  r.position_m[777] = 0.08;
+  const auto doubts = check_recording(r);
+  ASSERT_EQ(doubts.size(), 1u);
+  EXPECT_NE(doubts[0].find("sample 778"), std::string::npos) << doubts[0];
+  const auto refusal = [&]() -> std::string {
+    try {
+      check_recording(r);
+      return "";
+    } catch (const InputError& error) {
+      return error.what();
+    }
+  };
+  r.position_m[777] = 5;
+  EXPECT_NE(refusal().find("sample 778"), std::string::npos) << refusal();
+  r.position_m[777] = whole;
+  r.sample_time_s = 1;
+  EXPECT_NE(refusal().find("time_ms"), std::string::npos) << refusal();
 }
 
 }  // namespace

@@ -268,5 +268,16 @@ TEST_F(RecordingFile, IsReadFastEnoughForTenMillionRows) {
   EXPECT_GT(megabytes_per_s, 15);
 }
 
+TEST(Recording, ARateThatContradictsTheTimesIsRefused) {
+  std::string text = "time_s,force_N,position_m\n";
+  for (int n = 0; n < 200; ++n)
+    text += std::to_string(0.001 * n) + "," + std::to_string(n % 7) + ",0." + std::to_string(n % 9) + "\n";
+  RecordingOptions options;
+  options.rate_Hz = 1000;
+  EXPECT_DOUBLE_EQ(parse_recording(text, "r", options).sample_time_s, 0.001);
+  options.rate_Hz = 500;
+  EXPECT_THROW(parse_recording(text, "r", options), InputError);
+}
+
 }  // namespace
 }  // namespace handloop::io
