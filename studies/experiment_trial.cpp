@@ -80,9 +80,22 @@ namespace {
 
 constexpr int kMostRepeats = 6;
 
+/// A gentler stimulus mends it: the arm and the device rang beyond what is permitted.
 bool moved_too_far(device::Fault fault) {
-  return fault == device::Fault::velocity || fault == device::Fault::acceleration ||
-         fault == device::Fault::workspace || fault == device::Fault::encoder_jump;
+  using device::Fault;
+  switch (fault) {
+    case Fault::velocity:
+    case Fault::acceleration:
+    case Fault::workspace:
+    case Fault::encoder_jump:
+    case Fault::joint_position:
+    case Fault::joint_velocity:
+    case Fault::joint_acceleration:
+    case Fault::contact_force:
+      return true;
+    default:
+      return false;
+  }
 }
 
 /// One attempt. Fills the record; returns the fault that ended it.

@@ -41,8 +41,9 @@ double force_within_current_limit(const device::DeviceDescription& device, const
 
 /// Runs it, paced by the clock where the device is not in lock-step. The scenario says what the device is; its arm and
 /// electronics matter where the device is simulated. Where the motion leaves the limits of speed, acceleration or
-/// workspace (a hand whose grasp hardly damps rings with the device's mass), a simulated trial is repeated at half the
-/// force, as an experimenter would. Throws RequirementError where the run ended in another fault.
+/// workspace, or the sensed force its own (a hand whose grasp hardly damps rings with the device's mass), a simulated
+/// trial is repeated at half the force, as an experimenter would. Throws RequirementError where the run ended in
+/// another fault.
 TrialRecord record_trial(const TrialPlan& plan, const models::Scenario& scenario, const DeviceFactory& make_device);
 
 /// `time_s,force_N,position_m,grip_force_N,command_N`.

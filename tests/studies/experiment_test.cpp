@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <complex>
 #include <filesystem>
 #include <fstream>
@@ -155,6 +157,28 @@ TEST(Experiment, WanderMovesTheHandSlowlyByWhatIsAsked) {
   const double rms = std::sqrt(square / n - sum * sum / n / n);
   EXPECT_GT(rms, 0.0007);  // eight sines, of which a minute holds two to twenty periods
   EXPECT_LT(rms, 0.0013);
+}
+
+TEST(Experiment, RepeatsATrialMoreGentlyWhereAnUndampedGraspRings) {
+  // a stiff grasp that damps nothing: it rings with the device's mass until the sensor's 16 N or another limit is met
+  ExperimentRequest request;
+  request.duration_s = 10;
+  models::AxisModel arm;
+  arm.axis = models::Axis::z;
+  arm.arm = models::nominal_arm(models::Axis::z);
+  request.arm = arm;
+  request.arm->arm.k1_N_per_m = 1000;
+  request.arm->arm.b1_Ns_per_m = 0.001;
+  TrialPlan plan;
+  plan.rms_N = 4;
+  plan.axis = models::Axis::z;
+  plan.duration_s = 10;
+  const auto trials = plan_trials(request);
+  const auto record = record_trial(plan, trial_scenario(request, trials.front()), simulated);
+  EXPECT_GT(record.repeats, 0);
+  EXPECT_DOUBLE_EQ(record.stimulus_rms_N, std::ldexp(plan.rms_N, -record.repeats));
+  EXPECT_EQ(record.force_N.size(), 10000u);
+  EXPECT_LT(std::abs(*std::ranges::max_element(record.force_N, {}, [](double f) { return std::abs(f); })), 16.0);
 }
 
 TEST(Experiment, EffectsOfAnArmAreInItsRecording) {
