@@ -51,6 +51,11 @@ class StopOnSignal {
 
 void require_valid(const SweepSettings& s) {
   const auto wrong = [](const std::string& what) { throw InputError("sweep: " + what); };
+  if (s.scenario.device.model != models::DeviceModel::phantom_premium_1_5) {
+    wrong("scenario '" + s.scenario.name +
+          "' is of the seven-bar; arms of Table III hold the phantom_premium_1_5 only. "
+          "How far alpha may go on the seven-bar says handloop margins --scenario");
+  }
   if (s.arms < 1) wrong("--arms must be at least 1");
   if (s.arms > 100'000'000) wrong("--arms must be at most 100000000");
   if (s.devices < 1 || s.devices > 10000) wrong("--devices must be from 1 to 10000");

@@ -26,7 +26,7 @@ struct TimeDomainVerdict {
 };
 
 /// The linear question in the time domain: the stylus rests on a bilateral wall through the tip, is pushed so that the
-/// wall answers with about 1.2 N, and either comes to rest or does not. Encoders, converters, currents, delay and arm
+/// wall answers with about 2.4 N, and either comes to rest or does not. Encoders, converters, currents, delay and arm
 /// are the scenario's; its hand is still, its wall is everywhere.
 class TimeDomainLoop {
  public:
@@ -41,7 +41,8 @@ class TimeDomainLoop {
   /// that it fell to a ten-thousandth of the first window, unstable that it grew to three times that. Real electronics
   /// leave a motion of a few encoder counts for ever: there stable means that the motion halved since the second
   /// window, or swings by less than 0.1 mm, unstable that it grew by half or still rings at the current limit after 2
-  /// s. Failing all, the trend of the last second decides.
+  /// s. Failing all, the motion of the last two windows is compared with the second: what shrank is stable even where
+  /// it locked into a limit cycle of the encoder counts, whose size is `swing_m`.
   TimeDomainVerdict judge(double stiffness_N_per_m, double damping_Ns_per_m);
 
   /// Samples of the plant that judge() has run so far.
