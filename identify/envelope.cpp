@@ -70,17 +70,23 @@ UncertaintyModel model_of(const Shape& shape) {
   return model;
 }
 
+/// Ratio of neighbouring frequencies that a pair of the least damping, as wide as a tenth of its frequency, cannot hide
+/// between.
+constexpr double kClosest = 1.08;
+
 /// What the envelope must clear: the data and the straight lines between them.
 struct Target {
   std::vector<double> w, dB;
 };
 
-Target dense_target(std::span<const double> frequency_Hz, std::span<const double> dB, int between) {
+Target dense_target(std::span<const double> frequency_Hz, std::span<const double> dB, int least_between) {
   Target t;
   for (std::size_t n = 0; n < frequency_Hz.size(); ++n) {
     t.w.push_back(kTwoPi * frequency_Hz[n]);
     t.dB.push_back(dB[n]);
     if (n + 1 == frequency_Hz.size()) break;
+    const double octave = frequency_Hz[n] > 0 ? std::log(frequency_Hz[n + 1] / frequency_Hz[n]) : 0.0;
+    const int between = std::max(least_between, 2 * static_cast<int>(std::ceil(octave / (2 * std::log(kClosest)))));
     for (int k = 1; k < between; ++k) {
       const double share = static_cast<double>(k) / between;
       t.w.push_back(kTwoPi * (frequency_Hz[n] + share * (frequency_Hz[n + 1] - frequency_Hz[n])));

@@ -9,7 +9,9 @@ namespace handloop::identify {
 struct EnvelopeSettings {
   int most_pairs = 5;           ///< of poles, and of zeros: order 10
   double least_damping = 0.05;  ///< of any pair: nothing narrower than the data can show
-  int points_between = 2;       ///< the data are joined by straight lines (dB over Hz) and held off there too
+  /// The data are joined by straight lines (dB over Hz) and held off there too: at so many places a bin, and at more
+  /// where bins are far apart, so that no pair fits between two places unseen.
+  int points_between = 2;
 };
 
 /// A stable, minimum-phase V(s) of eq. (5) beside the magnitudes it envelopes.

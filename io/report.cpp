@@ -33,7 +33,7 @@ ul{padding-left:1.3em}
 a{color:var(--accent)}
 code,pre{font:.88em/1.5 ui-monospace,SFMono-Regular,Menlo,"DejaVu Sans Mono",monospace;background:var(--card);border-radius:5px}
 code{padding:.1em .35em}
-pre{padding:12px 16px;overflow-x:auto;border:1px solid var(--line)}
+pre{padding:12px 16px;overflow-x:auto;white-space:pre-wrap;border:1px solid var(--line)}
 nav{display:flex;flex-wrap:wrap;gap:6px 18px;margin:18px 0 0;font-size:.92rem}
 nav a{text-decoration:none}nav a:hover{text-decoration:underline}
 .figures{display:grid;grid-template-columns:repeat(auto-fit,minmax(170px,1fr));gap:12px;margin:18px 0}
