@@ -75,7 +75,6 @@ TEST_F(BadInput, RecordingsAreRefusedWithFileAndLine) {
   const auto good = recording(5000);
   const std::vector<std::pair<std::string, std::vector<std::string>>> cases{
       {path("missing.csv"), {"missing.csv", "cannot be read"}},
-      {folder.string(), {"directory"}},
       {file("empty.csv", ""), {"empty.csv", "empty"}},
       {file("header.csv", "time_s,force_N,position_m\n"), {"header.csv", "no rows"}},
       {file("few.csv", recording(3)), {"few.csv", "3 rows"}},
@@ -94,6 +93,11 @@ TEST_F(BadInput, RecordingsAreRefusedWithFileAndLine) {
     expect_refused({"explain", recording_path, "--out", path("out")}, words);
     expect_refused({"identify", recording_path, "--out", path("out")}, words);
   }
+  expect_refused({"explain", folder.string(), "--out", path("out")}, {"is a directory"});
+  // A directory stands for its recordings; the first bad one is named, and so is one that holds none.
+  expect_refused({"identify", folder.string(), "--out", path("out")}, {"binary.csv", "not text"});
+  fs::create_directory(folder / "none");
+  expect_refused({"identify", path("none"), "--out", path("out")}, {"none", "no .csv or .mat recordings"});
   expect_refused({"explain", file("good.csv", good), "--force", "forc_N", "--out", path("out")},
                  {"did you mean 'force_N'"});
   expect_refused({"explain", path("good.csv"), "--rate", "-3", "--out", path("out")}, {"--rate"});
