@@ -5,6 +5,8 @@
 #include <array>
 #include <boost/math/distributions/normal.hpp>
 #include <cmath>
+#include <complex>
+#include <numbers>
 #include <set>
 
 #include "identify/explain/signals.h"
@@ -85,6 +87,15 @@ std::optional<double> constant_error(const Prediction& prediction, const models:
   for (double& value : held_out) value -= centre;
   if (rms(held_out) > (1 - gain) * before) return std::nullopt;
   return centre;
+}
+
+/// How far a force on the arm's mass moves the grip, m/N, while the grip force is given: all compliance but the
+/// grasp's.
+double arm_response(const models::AxisModel& model, const models::AxisOperatingPoint& point, double frequency_Hz) {
+  const std::complex<double> s(0, 2 * std::numbers::pi * frequency_Hz);
+  const auto whole = models::compliance(model, point, s);
+  if (model.base != models::BaseModel::arm5) return std::abs(whole);
+  return std::abs(whole - 1.0 / (model.arm.k1_N_per_m + model.arm.b1_Ns_per_m * s));
 }
 
 std::string names_beyond(const Hypothesis& hypothesis, const Hypothesis& shared) {
@@ -303,7 +314,6 @@ Explanation explain(const models::Recording& given, const std::optional<models::
   result.residual_before = residual_over_all(prediction, result.base.model);
   result.residual_after = residual_over_all(prediction, result.after.model);
   const auto& input = options.driven_by == DrivenBy::force ? recording.force_N : recording.position_m;
-  result.line = find_line(result.residual_after, input, recording.sample_time_s);
 
   progress(0.95, "intervals");
   const auto widths = half_widths95(prediction, named.model, named.free);
@@ -323,17 +333,14 @@ Explanation explain(const models::Recording& given, const std::optional<models::
   result.point = {point_of(motion.arm, duration),
                   motion.grasp.x_m.empty() ? models::OperatingPoint{} : point_of(motion.grasp, duration),
                   point_of(motion.joint, duration)};
+  models::AxisModel plain = result.after.model;
+  std::erase_if(plain.effects, [](const auto& effect) { return effect->info().name == "tabulated"; });
+  result.line = find_line(result.residual_after, input, recording.sample_time_s, [&](double frequency_Hz) {
+    return options.driven_by == DrivenBy::position ? 1.0 : arm_response(plain, result.point, frequency_Hz);
+  });
   if (result.line.significant) {
-    // as a force on the arm that would move it so
-    models::AxisModel plain = result.after.model;
-    std::erase_if(plain.effects, [](const auto& effect) { return effect->info().name == "tabulated"; });
-    const std::complex<double> s(0, 2 * 3.14159265358979 * result.line.frequency_Hz);
-    const double compliance =
-        plain.base == models::BaseModel::arm5
-            ? 1 / std::abs((plain.arm.mass_kg * s + plain.arm.b2_Ns_per_m) * s + plain.arm.k2_N_per_m)
-            : std::abs(models::compliance(plain, result.point, s));
-    const double force = options.driven_by == DrivenBy::force ? result.line.rms / compliance : result.line.rms;
-    const std::array values{force, result.line.frequency_Hz, std::min(result.line.bandwidth_Hz, 10.0), 0.0};
+    const std::array values{result.line.force_rms, result.line.frequency_Hz, std::min(result.line.bandwidth_Hz, 10.0),
+                            0.0};
     const auto tremor = models::make_effect("tremor", Place::arm, values);
     result.after.model.effects.push_back(tremor);
     result.effects.push_back(found(*tremor));

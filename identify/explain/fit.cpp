@@ -173,8 +173,16 @@ Fit fit(const Prediction& prediction, const AxisModel& start, const std::vector<
   result.ok = true;
   double damping = 1e-3;
   Eigen::MatrixXd jacobian;
-  for (; count > 0 && cost > 0 && result.iterations < options.most_iterations; ++result.iterations) {
-    if (!error.jacobian(search, at, jacobian)) break;
+  // After a good step the Jacobian is carried on by Broyden's rank-one update, at no further simulation; it is taken
+  // anew before an ending is believed. Only those taken anew count as iterations.
+  constexpr int kMostUpdates = 2;
+  constexpr double kGoodStep = 0.02;
+  for (int updates = -1; count > 0 && cost > 0;) {
+    if (updates < 0) {
+      if (result.iterations == options.most_iterations || !error.jacobian(search, at, jacobian)) break;
+      ++result.iterations;
+      updates = 0;
+    }
     const Eigen::MatrixXd information = jacobian.transpose() * jacobian;
     const Eigen::VectorXd gradient = jacobian.transpose() * at;
     std::vector<bool> held(free.size());
@@ -183,19 +191,28 @@ Fit fit(const Prediction& prediction, const AxisModel& start, const std::vector<
           (search[j] <= lower[j] && gradient[j] > 0) || (search[j] >= upper[j] && gradient[j] < 0);
     }
     double fallen = 0;
-    for (int attempt = 0; attempt < 6; ++attempt) {
+    const bool fresh = updates == 0;
+    const double damping_before = damping;
+    for (int attempt = 0; attempt < (fresh ? 6 : 1); ++attempt) {
       const Eigen::VectorXd next =
           (search + damped_step(information, gradient, damping, held)).cwiseMax(lower).cwiseMin(upper);
-      const Eigen::VectorXd there = error(next);
+      Eigen::VectorXd there = error(next);
       if (there.size() > 0 && there.squaredNorm() < cost) {
         fallen = 1 - there.squaredNorm() / cost;
+        const Eigen::VectorXd moved = next - search;
+        jacobian += (there - at - jacobian * moved) * moved.transpose() / moved.squaredNorm();
         search = next;
-        at = there;
+        at = std::move(there);
         cost = at.squaredNorm();
         damping = std::max(damping / 10, 1e-9);
         break;
       }
       damping = std::min(damping * 8, 1e9);
+    }
+    updates = fallen > kGoodStep && updates < kMostUpdates ? updates + 1 : -1;
+    if (!fresh) {
+      if (fallen == 0) damping = damping_before;
+      continue;
     }
     if (fallen < options.tolerance) break;
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "identify/explain/signals.h"
 #include "identify/spectra.h"
@@ -19,6 +20,32 @@ double power_between(const Spectra& spectra, const std::vector<double>& weight, 
       sum += weight[i] * spectra.output_power[i] * width;
   }
   return sum;
+}
+
+/// Of a spectrum from 1.5 to 4 Hz beside a frequency; nothing where that is too little or empty.
+std::optional<double> median_around(const std::vector<double>& frequency_Hz, const std::vector<double>& power,
+                                    double at_Hz) {
+  std::vector<double> around;
+  for (std::size_t j = 1; j < power.size(); ++j) {
+    const double away = std::abs(frequency_Hz[j] - at_Hz);
+    if (away > 1.5 && away < 4.0 && frequency_Hz[j] > 1.5) around.push_back(power[j]);
+  }
+  if (around.size() < 5) return std::nullopt;
+  const auto middle = around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2);
+  std::nth_element(around.begin(), middle, around.end());
+  return *middle > 0 ? std::optional(*middle) : std::nullopt;
+}
+
+/// A mode near this frequency that rings for more than about half a second, so that a segment's input does not explain
+/// what it still does: an error of the model there looks like a line of the hand's own.
+bool rings_on(const std::function<double(double)>& response, double at_Hz) {
+  double most = 0;
+  for (int k = -15; k <= 15; ++k) most = std::max(most, response(at_Hz + 0.05 * k));
+  return most > 6 * std::max(response(at_Hz - 1.5), response(at_Hz + 1.5));
+}
+
+double peak(const std::vector<double>& values, std::size_t at) {
+  return (values[at - 1] + values[at] + values[at + 1]) / 3;
 }
 
 }  // namespace
@@ -50,7 +77,8 @@ NoiseFloor estimate_noise_floor(const Prediction& prediction, const models::Axis
   return floor;
 }
 
-SpectralLine find_line(std::span<const double> residual, std::span<const double> input, double sample_time_s) {
+SpectralLine find_line(std::span<const double> residual, std::span<const double> input, double sample_time_s,
+                       const std::function<double(double)>& response) {
   SpectralLine line;
   WelchSettings settings;
   settings.segment = std::min<std::size_t>(residual.size() / 4, static_cast<std::size_t>(4.096 / sample_time_s));
@@ -62,29 +90,25 @@ SpectralLine find_line(std::span<const double> residual, std::span<const double>
   const auto& f = spectra.frequency_Hz;
   const auto& power = spectra.output_power;
   const double width = f.size() > 1 ? f[1] - f[0] : 1.0;
+  std::vector<double> force(power.size(), 0.0);
+  for (std::size_t i = 1; i < f.size(); ++i) force[i] = power[i] / std::norm(response(f[i]));
   for (std::size_t i = 2; i + 2 < f.size(); ++i) {
-    if (f[i] < 3.0 || f[i] > 16.0) continue;
-    std::vector<double> around;
-    for (std::size_t j = 1; j < f.size(); ++j) {
-      const double away = std::abs(f[j] - f[i]);
-      if (away > 1.5 && away < 4.0 && f[j] > 1.5) around.push_back(power[j]);
-    }
-    if (around.size() < 5) continue;
-    std::nth_element(around.begin(), around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2), around.end());
-    const double surroundings = around[around.size() / 2];
-    const double peak = (power[i - 1] + power[i] + power[i + 1]) / 3;
-    if (surroundings > 0 && peak / surroundings > line.ratio) {
-      line.ratio = peak / surroundings;
+    if (f[i] < 3.0 || f[i] > 16.0 || rings_on(response, f[i])) continue;
+    const auto around = median_around(f, force, f[i]), seen = median_around(f, power, f[i]);
+    if (!around || !seen) continue;
+    const double ratio = std::min(peak(force, i) / *around, peak(power, i) / *seen);
+    if (ratio > line.ratio) {
+      line.ratio = ratio;
       line.frequency_Hz = f[i];
-      line.coherence = (coherent[i - 1] + coherent[i] + coherent[i + 1]) / 3;
+      line.coherence = peak(coherent, i);
       double sum = 0;
       std::size_t above = 0;
       for (std::size_t j = 1; j < f.size(); ++j) {
         if (std::abs(f[j] - f[i]) > 1.5) continue;
-        sum += std::max(0.0, power[j] - surroundings) * width;
-        above += power[j] > 0.5 * power[i] ? 1 : 0;
+        sum += std::max(0.0, force[j] - *around) * width;
+        above += force[j] > 0.5 * force[i] ? 1 : 0;
       }
-      line.rms = std::sqrt(sum);
+      line.force_rms = std::sqrt(sum);
       line.bandwidth_Hz = static_cast<double>(above) * width;
     }
   }

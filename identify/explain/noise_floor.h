@@ -24,11 +24,14 @@ struct SpectralLine {
   double bandwidth_Hz = 0.0;  ///< over which it stands above half of its peak
   double ratio = 0.0;         ///< of its power to that of the spectrum around it
   double coherence = 0.0;     ///< with the input
-  double rms = 0.0;           ///< of the line, in the output's unit
+  double force_rms = 0.0;     ///< of the line as a force on the arm, N
   bool significant = false;
 };
 
-/// Looks for tremor, 3 to 16 Hz, in a residual sampled like the recording.
-SpectralLine find_line(std::span<const double> residual, std::span<const double> input, double sample_time_s);
+/// Looks for tremor, 3 to 16 Hz, in a residual sampled like the recording. `response`: by how much a force on the arm
+/// at a frequency in Hz moves the residual. A line has to stand out as a force and as it was recorded: the peak of a
+/// hardly damped arm is the arm's, whatever shakes it.
+SpectralLine find_line(std::span<const double> residual, std::span<const double> input, double sample_time_s,
+                       const std::function<double(double)>& response);
 
 }  // namespace handloop::identify

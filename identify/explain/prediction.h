@@ -91,8 +91,8 @@ class Prediction {
   std::size_t train_samples_ = 0;
 };
 
-/// Is the second model better? Diebold and Mariano's statistic on the blocks' mean squares (positive: the second is
-/// better), with Newey-West variance over two lags; J. Business and Econ. Stat. 13 (1995) 253.
-double diebold_mariano(const std::vector<double>& blocks_first, const std::vector<double>& blocks_second);
+/// Is the second model better? Diebold and Mariano's statistic on the blocks' losses (positive: the second is better),
+/// with Newey-West variance over two lags; J. Business and Econ. Stat. 13 (1995) 253.
+double diebold_mariano(const std::vector<double>& losses_first, const std::vector<double>& losses_second);
 
 }  // namespace handloop::identify
