@@ -33,6 +33,8 @@ struct Channel {
   std::size_t peak_at = 0;
   std::size_t at_low = 0, at_high = 0;
   std::size_t longest_run = 0, run_start = 0;
+
+  double peak_in_rms() const { return std::abs(peak - mean) / rms; }
 };
 
 Channel examine(std::span<const double> signal, const std::string& name, const char* column) {
@@ -69,11 +71,11 @@ Channel examine(std::span<const double> signal, const std::string& name, const c
     }
   }
   c.rms = std::sqrt(c.rms);
-  if (std::abs(c.peak - c.mean) > kPeakRefused * c.rms) {
+  if (c.peak_in_rms() > kPeakRefused) {
     throw InputError(
         fmt::format("{}: {} is {:.6g} at sample {}, {:.3g} times its rms: one sample beside which the rest "
                     "is nothing, a glitch of the sensor; repair it or cut the recording there",
-                    name, column, c.peak, c.peak_at + 1, std::abs(c.peak - c.mean) / c.rms));
+                    name, column, c.peak, c.peak_at + 1, c.peak_in_rms()));
   }
   return c;
 }
@@ -90,9 +92,9 @@ void doubt(const Channel& c, const char* column, const models::Recording& record
                       column, value, 100 * share));
     }
   }
-  if (std::abs(c.peak - c.mean) > kPeakDoubted * c.rms) {
+  if (c.peak_in_rms() > kPeakDoubted) {
     doubts.push_back(fmt::format("{} is {:.6g} at sample {}, {:.3g} times its rms: a glitch of the sensor?", column,
-                                 c.peak, c.peak_at + 1, std::abs(c.peak - c.mean) / c.rms));
+                                 c.peak, c.peak_at + 1, c.peak_in_rms()));
   }
   const double stuck = static_cast<double>(c.longest_run) * recording.sample_time_s;
   if (stuck > kStuck_s) {

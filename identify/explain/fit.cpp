@@ -192,6 +192,7 @@ Fit fit(const Prediction& prediction, const AxisModel& start, const std::vector<
     }
     double fallen = 0;
     const bool fresh = updates == 0;
+    bool carry_on = false;
     const double damping_before = damping;
     for (int attempt = 0; attempt < (fresh ? 6 : 1); ++attempt) {
       const Eigen::VectorXd next =
@@ -199,8 +200,11 @@ Fit fit(const Prediction& prediction, const AxisModel& start, const std::vector<
       Eigen::VectorXd there = error(next);
       if (there.size() > 0 && there.squaredNorm() < cost) {
         fallen = 1 - there.squaredNorm() / cost;
-        const Eigen::VectorXd moved = next - search;
-        jacobian += (there - at - jacobian * moved) * moved.transpose() / moved.squaredNorm();
+        carry_on = fallen > kGoodStep && updates < kMostUpdates;
+        if (carry_on) {
+          const Eigen::VectorXd moved = next - search;
+          jacobian += (there - at - jacobian * moved) * moved.transpose() / moved.squaredNorm();
+        }
         search = next;
         at = std::move(there);
         cost = at.squaredNorm();
@@ -209,7 +213,7 @@ Fit fit(const Prediction& prediction, const AxisModel& start, const std::vector<
       }
       damping = std::min(damping * 8, 1e9);
     }
-    updates = fallen > kGoodStep && updates < kMostUpdates ? updates + 1 : -1;
+    updates = carry_on ? updates + 1 : -1;
     if (!fresh) {
       if (fallen == 0) damping = damping_before;
       continue;

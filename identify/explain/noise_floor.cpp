@@ -85,6 +85,10 @@ SpectralLine find_line(std::span<const double> residual, std::span<const double>
   if (settings.segment < 64) return line;
   settings.overlap = settings.segment / 2;
   settings.window = Window::hann;
+  // surroundings reach to 4 Hz beyond the highest line
+  settings.last_bin =
+      std::min(settings.segment / 2,
+               static_cast<std::size_t>(std::ceil(20.0 * sample_time_s * static_cast<double>(settings.segment))));
   const auto spectra = welch(input, residual, sample_time_s, settings);
   const auto coherent = coherence(spectra);
   const auto& f = spectra.frequency_Hz;
@@ -93,11 +97,11 @@ SpectralLine find_line(std::span<const double> residual, std::span<const double>
   std::vector<double> force(power.size(), 0.0);
   for (std::size_t i = 1; i < f.size(); ++i) force[i] = power[i] / std::norm(response(f[i]));
   for (std::size_t i = 2; i + 2 < f.size(); ++i) {
-    if (f[i] < 3.0 || f[i] > 16.0 || rings_on(response, f[i])) continue;
+    if (f[i] < 3.0 || f[i] > 16.0) continue;
     const auto around = median_around(f, force, f[i]), seen = median_around(f, power, f[i]);
     if (!around || !seen) continue;
     const double ratio = std::min(peak(force, i) / *around, peak(power, i) / *seen);
-    if (ratio > line.ratio) {
+    if (ratio > line.ratio && !rings_on(response, f[i])) {
       line.ratio = ratio;
       line.frequency_Hz = f[i];
       line.coherence = peak(coherent, i);

@@ -166,9 +166,9 @@ TEST(Experiment, RepeatsATrialMoreGentlyWhereAnUndampedGraspRings) {
   models::AxisModel arm;
   arm.axis = models::Axis::z;
   arm.arm = models::nominal_arm(models::Axis::z);
+  arm.arm.k1_N_per_m = 1000;
+  arm.arm.b1_Ns_per_m = 0.001;
   request.arm = arm;
-  request.arm->arm.k1_N_per_m = 1000;
-  request.arm->arm.b1_Ns_per_m = 0.001;
   TrialPlan plan;
   plan.rms_N = 4;
   plan.axis = models::Axis::z;
