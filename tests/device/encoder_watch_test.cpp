@@ -33,7 +33,8 @@ Seen sway(std::string_view fault, const Motion& motion) {
   plant.sway_N = motion.sway_N;
   std::optional<FaultyDevice> faulty;
   if (!fault.empty()) faulty.emplace(plant, fault, 500);
-  Device& device = faulty ? static_cast<Device&>(*faulty) : plant;
+  Device* device = &plant;
+  if (faulty) device = &*faulty;
   FakeMechanism mechanism;
   control::VirtualWall::Settings settings;
   settings.plane_m = motion.wall_m;
@@ -45,8 +46,8 @@ Seen sway(std::string_view fault, const Motion& motion) {
   LoopConfig config;
   config.states.against_model = false;  // which would find most of it first
   Loop loop(config, believed, mechanism, wall);
-  device.start();
-  for (int i = 0; i < 6000 && loop.fault().fault == Fault::none; ++i) loop.step(device);
+  device->start();
+  for (int i = 0; i < 6000 && loop.fault().fault == Fault::none; ++i) loop.step(*device);
   const auto& event = loop.fault();
   return {event, static_cast<double>(event.sample) * 1e-3 - 0.5, plant.most_force_N};
 }

@@ -22,7 +22,7 @@ VirtualWall::Settings wall_settings() {
 }
 
 struct Rig {
-  explicit Rig(int delay = 1, VirtualWall::Settings settings = wall_settings()) : wall(settings) {
+  explicit Rig(int delay = 1, const VirtualWall::Settings& settings = wall_settings()) : wall(settings) {
     config.delay_samples = delay;
   }
   std::vector<StepRecord> run(int steps) {
