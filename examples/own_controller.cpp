@@ -10,6 +10,7 @@
 
 using namespace handloop;
 
+// [controller]
 // Honey: a force against the velocity, no wall anywhere.
 class Honey final : public control::Controller {
  public:
@@ -32,6 +33,7 @@ class Honey final : public control::Controller {
   bool started_ = false;
   Eigen::Vector3d last_m_ = Eigen::Vector3d::Zero();
 };
+// [controller]
 
 int main() {
   const auto scenario = io::default_scenario();  // as scenes/phantom_wall.toml

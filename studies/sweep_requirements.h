@@ -12,7 +12,7 @@ namespace handloop::studies {
 
 /// What a team demands of every point, or of the points at one pair of gains:
 ///   p_stable>=0.95            p_stable_lo95>=0.95       (lower end of its Clopper-Pearson interval)
-///   gm_up_p05>=2@k=800,b=2    sm_min>0.3
+///   gm_up_p05>=2\@k=800,b=2    sm_min>0.3
 /// Quantities: p_stable, p_stable_lo95, p_stable_hi95, rho_p95, and gm_up, pm_deg, dm_s, sm, disk_alpha each with _min,
 /// _p05 or _p50. A margin of an unstable arm is less than any number.
 struct Requirement {

@@ -8,7 +8,7 @@
 #include <vector>
 
 /// An effect is one component, used four times: the identification looks for it, the simulator runs it, the margins
-/// feel it and the panel shows it. Each effect is one file in this folder; catalogue.cpp lists them all.
+/// feel it and the panel shows it. Each effect is one file in this folder; the catalogue lists them all.
 ///
 /// Units are those of a translational axis; for a rotary recording read N as Nm and m as rad.
 namespace handloop::models {
