@@ -25,12 +25,15 @@ void on_key(GLFWwindow* window, int key, int, int action, int modifiers) {
   static_cast<std::vector<KeyPress>*>(glfwGetWindowUserPointer(window))->push_back({key, modifiers});
 }
 
-[[noreturn]] void no_display() {
+bool display_is_named() {
   const char* display = std::getenv("DISPLAY");
   const char* wayland = std::getenv("WAYLAND_DISPLAY");
-  const bool any = (display != nullptr && *display != '\0') || (wayland != nullptr && *wayland != '\0');
-  const std::string why =
-      any ? last_glfw_error.empty() ? "the display does not answer" : last_glfw_error : "$DISPLAY is not set";
+  return (display != nullptr && *display != '\0') || (wayland != nullptr && *wayland != '\0');
+}
+
+[[noreturn]] void no_display() {
+  const std::string why = display_is_named() ? last_glfw_error.empty() ? "the display does not answer" : last_glfw_error
+                                             : "$DISPLAY is not set";
   throw InputError("panel: there is no display to draw on (" + why +
                    "); without a screen: xvfb-run -s '-screen 0 1280x800x24' handloop panel --screenshot panel.png");
 }
@@ -39,7 +42,8 @@ void on_key(GLFWwindow* window, int key, int, int action, int modifiers) {
 
 Window::Window(int width, int height, const std::string& title) {
   glfwSetErrorCallback([](int, const char* text) { last_glfw_error = text; });
-  if (glfwInit() != GLFW_TRUE) no_display();
+  // GLFW 3.4 would look for Wayland all the same, whose library then prints a line of its own.
+  if (!display_is_named() || glfwInit() != GLFW_TRUE) no_display();
   window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
   if (window_ == nullptr) {
     glfwTerminate();
