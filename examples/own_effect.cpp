@@ -90,7 +90,7 @@ int main() {
         control::evaluate(studies::hand_model(scenario, models::Axis::z), motion, loop.plant.tip_mass_kg,
                           loop.plant.tip_damping_Ns_per_m, loop.timing, loop.gains);
 
-    // A hand that is pulled at by a spring with 1 N at most, for a second: how far it comes.
+    // How far a hand comes in 30 ms that is pulled with 1 N at most along z, the device's first axis.
     device::SimDevice phantom(scenario);
     phantom.start();
     phantom.pull({.anchor_m = {1, 0, 0}, .stiffness_N_per_m = 50, .limit_N = 1});

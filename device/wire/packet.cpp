@@ -162,13 +162,17 @@ std::size_t encode(const Packet& packet, const Authenticator* authenticator,
       break;
   }
   std::size_t size = writer.size();
-  Writer(out.data() + kChecksumAt).put(checksum(out.first(size)));
+  seal(out.first(size));
   if (authenticator != nullptr) {
     const Tag tag = authenticator->tag(out.first(size));
     std::memcpy(out.data() + size, tag.data(), tag.size());
     size += tag.size();
   }
   return size;
+}
+
+void seal(std::span<std::byte> packet) noexcept {
+  Writer(packet.data() + kChecksumAt).put(checksum(packet));
 }
 
 Verdict decode(std::span<const std::byte> datagram, const Authenticator* authenticator, Packet& packet) noexcept {

@@ -80,6 +80,9 @@ std::string_view verdict_name(Verdict verdict);
 /// authenticator's own work.
 std::size_t encode(const Packet& packet, const Authenticator* authenticator, std::span<std::byte, kMaxPacketBytes> out);
 
+/// Writes its checksum into the header of a packet without tag, of kHeaderBytes or more. Real-time safe.
+void seal(std::span<std::byte> packet) noexcept;
+
 /// Reads a datagram. Trusts nothing: any bytes of any length are safe. With an authenticator, only tagged packets are
 /// good; without one, tagged packets are refused. Does not allocate or throw.
 Verdict decode(std::span<const std::byte> datagram, const Authenticator* authenticator, Packet& packet) noexcept;

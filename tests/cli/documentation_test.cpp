@@ -2,19 +2,14 @@
 
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <regex>
 #include <string>
 
+#include "io/mapped_file.h"
+#include "io/output.h"
+
 namespace handloop {
 namespace {
-
-std::string read(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  EXPECT_TRUE(file) << path;
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 /// The lines of a source file between two comments "// [tag]".
 std::string part(const std::string& source, const std::string& tag) {
@@ -30,7 +25,7 @@ std::string part(const std::string& source, const std::string& tag) {
 TEST(Documentation, CodeOfTheWorkedExamplesIsThatOfTheFiles) {
   const std::filesystem::path root(HANDLOOP_SOURCE_DIR);
   const auto guide = root / "docs/extending.md";
-  const auto text = read(guide);
+  const auto text = io::read_file(guide);
   const std::regex block(R"(<!-- (examples/\w+\.cpp) \[(\w+)\] -->\n```cpp\n)");
   std::string updated;
   std::size_t done = 0, blocks = 0;
@@ -38,7 +33,7 @@ TEST(Documentation, CodeOfTheWorkedExamplesIsThatOfTheFiles) {
     const auto code_at = static_cast<std::size_t>(match->position() + match->length());
     const auto code_end = text.find("```\n", code_at);
     ASSERT_NE(code_end, text.npos);
-    const auto expected = part(read(root / (*match)[1].str()), (*match)[2].str());
+    const auto expected = part(io::read_file(root / (*match)[1].str()), (*match)[2].str());
     EXPECT_FALSE(expected.empty()) << (*match)[0];
     EXPECT_EQ(text.substr(code_at, code_end - code_at), expected) << (*match)[0];
     updated += text.substr(done, code_at - done) + expected;
@@ -46,7 +41,7 @@ TEST(Documentation, CodeOfTheWorkedExamplesIsThatOfTheFiles) {
   }
   updated += text.substr(done);
   EXPECT_EQ(blocks, 4U);
-  if (std::getenv("HANDLOOP_UPDATE_DOCS") != nullptr) std::ofstream(guide, std::ios::binary) << updated;
+  if (std::getenv("HANDLOOP_UPDATE_DOCS") != nullptr) io::write_file_atomically(guide, updated);
 }
 
 }  // namespace

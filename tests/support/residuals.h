@@ -108,6 +108,7 @@ HANDLOOP_COMPARISON(GreaterOrEqual, CmpHelperGE, false, " >= ");
 #undef EXPECT_LT
 #undef ASSERT_LT
 #undef EXPECT_LE
+#undef ASSERT_LE
 #undef EXPECT_GT
 #undef ASSERT_GT
 #undef EXPECT_GE
@@ -117,6 +118,7 @@ HANDLOOP_COMPARISON(GreaterOrEqual, CmpHelperGE, false, " >= ");
 #define EXPECT_LT(a, b) EXPECT_PRED_FORMAT2(::handloop::test::Less(__FILE__, __LINE__), a, b)
 #define ASSERT_LT(a, b) ASSERT_PRED_FORMAT2(::handloop::test::Less(__FILE__, __LINE__), a, b)
 #define EXPECT_LE(a, b) EXPECT_PRED_FORMAT2(::handloop::test::LessOrEqual(__FILE__, __LINE__), a, b)
+#define ASSERT_LE(a, b) ASSERT_PRED_FORMAT2(::handloop::test::LessOrEqual(__FILE__, __LINE__), a, b)
 #define EXPECT_GT(a, b) EXPECT_PRED_FORMAT2(::handloop::test::Greater(__FILE__, __LINE__), a, b)
 #define ASSERT_GT(a, b) ASSERT_PRED_FORMAT2(::handloop::test::Greater(__FILE__, __LINE__), a, b)
 #define EXPECT_GE(a, b) EXPECT_PRED_FORMAT2(::handloop::test::GreaterOrEqual(__FILE__, __LINE__), a, b)
