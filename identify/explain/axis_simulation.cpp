@@ -91,7 +91,12 @@ class ForceDrivenPlant {
   /// What one more newton of arm effect at the end of the step does to the state there.
   State arm_force_influence() const { return at_end_.col(2); }
   State step(const State& x, const Input& u0, const Input& u1) const {
-    return transition_ * x + at_start_ * u0 + at_end_ * u1;
+    if (layout_ != Layout::massless_grip) return transition_ * x + at_start_ * u0 + at_end_ * u1;
+    // most of the time goes here: only what is not zero
+    const double grasp0 = u0[0] - u0[1], grasp1 = u1[0] - u1[1], arm0 = u0[0] - u0[2], arm1 = u1[0] - u1[2];
+    return {transition_(0, 0) * x[0] + at_start_(0, 0) * grasp0 + at_end_(0, 0) * grasp1,
+            transition_(1, 1) * x[1] + transition_(1, 2) * x[2] + at_start_(1, 0) * arm0 + at_end_(1, 0) * arm1,
+            transition_(2, 1) * x[1] + transition_(2, 2) * x[2] + at_start_(2, 0) * arm0 + at_end_(2, 0) * arm1, 0.0};
   }
   double grip_position(const State& x) const { return layout_ == Layout::massless_grip ? x[0] + x[1] : x[0]; }
   double arm_position(const State& x) const {

@@ -188,6 +188,11 @@ UnitEffect unit_effect(Variant variant, const std::vector<std::size_t>& gains, s
   return {models::make_effect(variant.type->info.name, variant.place, variant.values), size};
 }
 
+bool Hypothesis::better_than(const Hypothesis& other) const {
+  const double allowed = free.size() < other.free.size() ? 1.01 : free.size() == other.free.size() ? 1.0 : 0.98;
+  return train_cost < allowed * other.train_cost;
+}
+
 std::string Hypothesis::effect_names() const {
   std::string names;
   for (const auto& effect : model.effects) names.append(names.empty() ? "" : " + ").append(effect->info().name);
@@ -398,6 +403,11 @@ std::optional<Hypothesis> extend_from(const Prediction& prediction, const Hypoth
   Hypothesis extended = from;
   extended.model.arm = arm;
   add_effect(extended, variant, scale_at(motion, variant.place));
+  const int last = static_cast<int>(extended.model.effects.size()) - 1;
+  const auto& parameters = variant.type->info.parameters;
+  std::erase_if(extended.free, [&](const FreeParameter& p) {
+    return p.effect == last && parameters[p.index].search.role == Role::gain && variant.values[p.index] == 0;
+  });
   return refit(prediction, extended, options);
 }
 
@@ -420,11 +430,12 @@ Hypothesis reconsider_choices(const Prediction& prediction, Hypothesis hypothesi
       const int last = static_cast<int>(other.model.effects.size());
       std::erase_if(other.free, [&](const auto& p) { return p.effect == last; });
       add_effect(other, variant, scale_at(motion, variant.place));
-      auto fitted = refit(prediction, other, {.most_iterations = 15, .tolerance = 1e-5});
+      auto fitted = refit(prediction, other, {.most_iterations = 4, .tolerance = 1e-3});
+      if (!fitted || fitted->train_cost > 1.5 * hypothesis.train_cost) continue;
+      fitted = refit(prediction, *fitted, {.most_iterations = 12, .tolerance = 1e-5});
       if (!fitted) continue;
-      // of equals the simpler: a change about some time in or beyond the record may be no more than a steady drift
-      const double allowed = fitted->free.size() < hypothesis.free.size() ? 1.01 : 0.98;
-      if (fitted->train_cost < allowed * hypothesis.train_cost) hypothesis = std::move(*fitted);
+      // a change about some time in or beyond the record may be no more than a steady drift
+      if (fitted->better_than(hypothesis)) hypothesis = std::move(*fitted);
     }
   }
   return hypothesis;

@@ -48,6 +48,8 @@ struct Hypothesis {
   Hold hold = Hold::first_order;  ///< what the force does between samples, as this model sees it
   Errors errors;
 
+  /// Fits the training part better, or as well with fewer parameters.
+  bool better_than(const Hypothesis& other) const;
   std::string effect_names() const;  ///< "reflex_feedback + cubic_stiffness", "" for the base model
 };
 
@@ -71,7 +73,7 @@ std::vector<ScanResult> scan(const Prediction& prediction, const Hypothesis& fro
 /// Adds the variant to the hypothesis and fits everything together. Nothing where no finite fit was found.
 std::optional<Hypothesis> extend(const Prediction& prediction, const Hypothesis& from, const Variant& variant,
                                  const FitOptions& options = {});
-/// The same from one given arm and the variant's values as they are.
+/// The same from one given arm and the variant's values as they are; a gain that starts at zero stays there.
 std::optional<Hypothesis> extend_from(const Prediction& prediction, const Hypothesis& from, const Variant& variant,
                                       const models::ArmParameters& arm, const FitOptions& options = {});
 

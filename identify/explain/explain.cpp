@@ -267,6 +267,9 @@ Explanation explain(const models::Recording& given, const std::optional<models::
   result.fingerprints = take_fingerprints(ranked);
 
   auto search_options = options.search;
+  // where forces are predicted, what the model lacks reaches the bands that tell of noise
+  if (prediction.driven_by() == DrivenBy::force)
+    search_options.filtered_noise = filtered_noise(prediction, base.model);
   search_options.progress = [&](double share, const std::string& what) { progress(0.1 + 0.75 * share, what); };
   auto search = search_effects(prediction, base, ranked, search_options);
   choose_motion_bandwidth(prediction, search.best);

@@ -61,8 +61,8 @@ models::ArmParameters ForceView::arm_with(const Eigen::VectorXd& solution) const
   return arm;
 }
 
-ForceStart ForceView::regress(const Variant& variant) const {
-  const auto gains = used_gains(variant);
+ForceStart ForceView::regress(Variant variant, const std::vector<std::size_t>& gains) const {
+  for (const auto gain : used_gains(variant)) variant.values[gain] = 0.0;
   const auto& parameters = variant.type->info.parameters;
   std::vector<std::pair<double, double>> range(known_.size(), {0.0, HUGE_VAL});
   for (const auto g : gains) range.emplace_back(parameters[g].lower, parameters[g].upper);

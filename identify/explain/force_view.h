@@ -34,7 +34,9 @@ class ForceView {
   /// A signal of the fitting part as this view sees it.
   Eigen::VectorXd seen(std::span<const double> signal) const;
   /// The best gains and arm for a variant with its shapes as given. `left` is 1 where none are admissible.
-  ForceStart regress(const Variant& variant) const;
+  ForceStart regress(const Variant& variant) const { return regress(variant, used_gains(variant)); }
+  /// The same with only some of its gains, the others zero.
+  ForceStart regress(Variant variant, const std::vector<std::size_t>& gains) const;
   /// The model's arm with mass, damper and spring by regression (its first three coefficients).
   models::ArmParameters arm_with(const Eigen::VectorXd& solution) const;
 

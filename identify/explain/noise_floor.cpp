@@ -22,6 +22,23 @@ double power_between(const Spectra& spectra, const std::vector<double>& weight, 
   return sum;
 }
 
+/// Spectra of the input and of what the base model leaves of the output.
+Spectra residual_spectra(const Prediction& prediction, const models::AxisModel& base) {
+  const double h = prediction.sample_time_s();
+  const auto& output = prediction.measured();
+  const auto& input =
+      prediction.driven_by() == DrivenBy::force ? prediction.recording().force_N : prediction.recording().position_m;
+  const auto run = prediction.run(base, false, true);
+  std::vector<double> residual(output.size());
+  for (std::size_t i = 0; i < residual.size(); ++i) residual[i] = output[i] - (run.finite ? run.output[i] : 0.0);
+  return welch(input, residual, h, long_segment_settings(residual.size(), h, 0.5 / h));
+}
+
+double mean_power_density(const Spectra& spectra, double from_Hz, double to_Hz) {
+  return power_between(spectra, std::vector<double>(spectra.frequency_Hz.size(), 1.0), from_Hz, to_Hz) /
+         (to_Hz - from_Hz);
+}
+
 /// Of a spectrum from 1.5 to 4 Hz beside a frequency; nothing where that is too little or empty.
 std::optional<double> median_around(const std::vector<double>& frequency_Hz, const std::vector<double>& power,
                                     double at_Hz) {
@@ -51,21 +68,11 @@ double peak(const std::vector<double>& values, std::size_t at) {
 }  // namespace
 
 NoiseFloor estimate_noise_floor(const Prediction& prediction, const models::AxisModel& base) {
-  const double h = prediction.sample_time_s();
-  const auto& output = prediction.measured();
-  const auto& input =
-      prediction.driven_by() == DrivenBy::force ? prediction.recording().force_N : prediction.recording().position_m;
-  const auto run = prediction.run(base, false, true);
-  std::vector<double> residual(output.size());
-  for (std::size_t i = 0; i < residual.size(); ++i) residual[i] = output[i] - (run.finite ? run.output[i] : 0.0);
-
   NoiseFloor floor;
-  const double nyquist = 0.5 / h;
-  auto settings = long_segment_settings(residual.size(), h, nyquist);
-  const auto of_output = welch(input, residual, h, settings);
-  const std::vector<double> one(of_output.frequency_Hz.size(), 1.0);
+  const double nyquist = 0.5 / prediction.sample_time_s();
+  const auto of_output = residual_spectra(prediction, base);
   const double from = 0.6 * nyquist, to = 0.95 * nyquist;
-  const double level = power_between(of_output, one, from, to) / (to - from);
+  const double level = mean_power_density(of_output, from, to);
   floor.sensor = std::sqrt(std::max(0.0, level * nyquist));
   auto incoherent = coherence(of_output);
   for (double& value : incoherent) value = 1 - value;
@@ -75,6 +82,16 @@ NoiseFloor estimate_noise_floor(const Prediction& prediction, const models::Axis
   floor.how = "white level of the residual from " + std::to_string(static_cast<int>(from)) + " to " +
               std::to_string(static_cast<int>(to)) + " Hz, and what is incoherent with the input below 0.5 Hz";
   return floor;
+}
+
+double filtered_noise(const Prediction& prediction, const models::AxisModel& base) {
+  const double nyquist = 0.5 / prediction.sample_time_s();
+  const auto spectra = residual_spectra(prediction, base);
+  double level = mean_power_density(spectra, 0.6 * nyquist, 0.95 * nyquist);
+  for (const double from : {0.12, 0.25}) {
+    level = std::min(level, mean_power_density(spectra, from * nyquist, 2 * from * nyquist));
+  }
+  return std::sqrt(level * std::min(nyquist, 0.5 * prediction.filter().rate_Hz));
 }
 
 SpectralLine find_line(std::span<const double> residual, std::span<const double> input, double sample_time_s,

@@ -18,6 +18,10 @@ struct NoiseFloor {
 /// From the output and the base model's residual, before any candidate is tried.
 NoiseFloor estimate_noise_floor(const Prediction& prediction, const models::AxisModel& base);
 
+/// Root mean square that the output's noise alone leaves in the filtered error: no model comes below it. From the
+/// quietest of three bands above the excitation, so that a sensor noisier at high frequency is not taken for a floor.
+double filtered_noise(const Prediction& prediction, const models::AxisModel& base);
+
 /// A spectral line of a residual that the input does not explain.
 struct SpectralLine {
   double frequency_Hz = 0.0;

@@ -75,23 +75,26 @@ double PlaceEffects::force_N(std::size_t step, double x_m, double v_m_per_s, dou
 }
 
 void PlaceEffects::advance(std::size_t step, double x0, double v0, double x1, double v1) {
-  constexpr std::size_t kMostStates = 8;
-  std::array<double, kMostStates> stage{}, rates{}, sum{};
+  // Runge and Kutta's classical rule, the motion between the two ends taken as straight
   const double from = static_cast<double>(step);
   for (auto& acting : acting_) {
     const auto n = acting.states.size();
     if (n == 0) continue;
-    const std::array motions{port(acting, from, x0, v0), port(acting, from + 0.5, 0.5 * (x0 + x1), 0.5 * (v0 + v1)),
-                             port(acting, from + 1.0, x1, v1)};
-    const std::array<std::size_t, 4> at{0, 1, 1, 2};
-    const std::array<double, 4> reach{0.0, 0.5, 0.5, 1.0}, weight{1, 2, 2, 1};
-    sum.fill(0.0);
-    for (std::size_t k = 0; k < 4; ++k) {
-      for (std::size_t i = 0; i < n; ++i) stage[i] = acting.states[i] + (k == 0 ? 0.0 : reach[k] * h_s_ * rates[i]);
-      acting.effect->state_rates(motions[at[k]], base_, {stage.data(), n}, {rates.data(), n});
-      for (std::size_t i = 0; i < n; ++i) sum[i] += weight[k] * rates[i];
-    }
-    for (std::size_t i = 0; i < n; ++i) acting.states[i] += h_s_ / 6 * sum[i];
+    const auto start = port(acting, from, x0, v0), middle = port(acting, from + 0.5, 0.5 * (x0 + x1), 0.5 * (v0 + v1)),
+               end = port(acting, from + 1.0, x1, v1);
+    constexpr std::size_t kMostStates = 8;
+    using Stage = std::array<double, kMostStates>;
+    Stage at, first, second, third, fourth;
+    const auto rates = [&](const PortMotion& motion, const Stage& slope, double reach_s, Stage& found) {
+      for (std::size_t i = 0; i < n; ++i) at[i] = acting.states[i] + reach_s * slope[i];
+      acting.effect->state_rates(motion, base_, {at.data(), n}, {found.data(), n});
+    };
+    acting.effect->state_rates(start, base_, acting.states, {first.data(), n});
+    rates(middle, first, 0.5 * h_s_, second);
+    rates(middle, second, 0.5 * h_s_, third);
+    rates(end, third, h_s_, fourth);
+    for (std::size_t i = 0; i < n; ++i)
+      acting.states[i] += h_s_ / 6 * (first[i] + 2 * (second[i] + third[i]) + fourth[i]);
   }
 }
 

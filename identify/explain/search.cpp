@@ -19,6 +19,8 @@ namespace {
 using models::AxisModel;
 using models::BaseModel;
 
+constexpr FitOptions kFirstFit{.most_iterations = 25, .tolerance = 1e-5};
+
 /// Mass, damping and stiffness by regression of the force on the smoothed motion, constant term aside.
 models::MsdParameters regress_msd(const models::Recording& recording, double bandwidth_Hz) {
   const double h = recording.sample_time_s;
@@ -88,6 +90,62 @@ bool stands_in(const Hypothesis& hypothesis, double sample_time_s) {
     if (telling && (value <= 1.01 * p.lower || value >= 0.99 * p.upper)) return true;
   }
   return false;
+}
+
+/// The candidate's fit from where the scan and from where the force side would start it, not to the last digit.
+std::optional<Hypothesis> first_fit(const Prediction& prediction, const Hypothesis& from, const ScanResult& candidate,
+                                    const std::vector<ForceStart>& force_starts) {
+  auto fitted = candidate.share > 0 ? extend(prediction, from, candidate.variant, kFirstFit) : std::nullopt;
+  const auto same_effect = [&](const ForceStart& s) { return s.variant.type == candidate.variant.type; };
+  if (const auto start = std::ranges::find_if(force_starts, same_effect); start != force_starts.end()) {
+    auto other = extend_from(prediction, from, start->variant, start->arm, kFirstFit);
+    if (other && (!fitted || other->train_cost < fitted->train_cost)) fitted = std::move(other);
+  }
+  return fitted;
+}
+
+Tried as_tried(const Hypothesis& hypothesis, std::size_t depth, double share) {
+  Tried tried{depth, {}, share, hypothesis};
+  for (const auto& effect : hypothesis.model.effects) tried.names.emplace_back(effect->info().name);
+  std::ranges::sort(tried.names);
+  return tried;
+}
+
+/// The base model bends its grasp towards a missing effect and so misleads the force side; the best first effect has
+/// a truer one. What the force side starts from there, where it is better.
+void look_again(const Prediction& prediction, const Hypothesis& seed, std::vector<Hypothesis>& extended,
+                SearchResult& result) {
+  Hypothesis from = seed;
+  from.model.arm = extended.front().model.arm;
+  const auto variants = search_variants(from.model, prediction.driven_by());
+  const auto held = with_hold(prediction, extended.front().hold);
+  auto starts = force_scan(held, from, variants);
+  starts.resize(std::min<std::size_t>(starts.size(), 3), ForceStart{});
+  for (auto& start : single_gain_scan(held, from, variants)) starts.push_back(std::move(start));
+  for (const auto& start : starts) {
+    auto fitted = extend_from(prediction, seed, start.variant, start.arm, {.most_iterations = 5, .tolerance = 1e-3});
+    if (!fitted || fitted->train_cost > 4 * extended.front().train_cost) continue;
+    fitted = refit(prediction, *fitted, kFirstFit);
+    if (!fitted) continue;
+    const auto name = fitted->effect_names();
+    for (auto& known : extended) {
+      if (known.effect_names() == name && fitted->better_than(known)) known = *fitted;
+    }
+    for (auto& tried : result.tried) {
+      if (tried.hypothesis.effect_names() == name && fitted->better_than(tried.hypothesis)) tried.hypothesis = *fitted;
+    }
+  }
+}
+
+Hypothesis converged(const Prediction& prediction, Hypothesis hypothesis) {
+  hypothesis = reconsider_hold(prediction, reconsider_choices(prediction, std::move(hypothesis)));
+  auto fitted = refit(prediction, pruned(prediction, hypothesis), {.most_iterations = 40, .tolerance = 1e-7});
+  return fitted ? std::move(*fitted) : hypothesis;
+}
+
+/// Nothing left to find: no effect could gain what the rule asks for.
+bool at_noise(const Hypothesis& hypothesis, const SearchOptions& options) {
+  return hypothesis.errors.filtered_validation * (1 - options.rule.gain) < options.filtered_noise;
 }
 
 std::vector<double> logarithms(std::vector<double> powers) {
@@ -171,9 +229,9 @@ SearchResult search_effects(const Prediction& prediction, const Hypothesis& base
   result.best = seed;
   std::vector<Hypothesis> beam{seed};
   const std::size_t free_ride = seed.model.effects.size();
-  for (int depth = 1; depth <= options.max_effects; ++depth) {
-    std::vector<std::pair<Hypothesis, double>> extended;
-    std::set<std::string> seen;
+  for (int depth = 1; depth <= options.max_effects && !at_noise(result.best, options); ++depth) {
+    std::vector<Hypothesis> extended;
+    std::set<std::vector<std::string>> seen;
     double done = 0;
     for (const auto& from : beam) {
       const auto variants = search_variants(from.model, prediction.driven_by());
@@ -187,68 +245,49 @@ SearchResult search_effects(const Prediction& prediction, const Hypothesis& base
                from.effect_names() + (from.model.effects.empty() ? "" : " + ") +
                    std::string(candidate.variant.type->info.name));
         ++done;
-        const FitOptions first_fit{.most_iterations = 25, .tolerance = 1e-5};
-        auto fitted =
-            candidate.share > 0 ? extend(prediction, from, candidate.variant, first_fit) : std::optional<Hypothesis>();
-        const auto same_effect = [&](const ForceStart& s) { return s.variant.type == candidate.variant.type; };
-        if (const auto start = std::ranges::find_if(force_starts, same_effect); start != force_starts.end()) {
-          auto other = extend_from(prediction, from, start->variant, start->arm, first_fit);
-          if (other && (!fitted || other->train_cost < fitted->train_cost)) fitted = std::move(other);
-        }
+        auto fitted = first_fit(prediction, from, candidate, force_starts);
         if (!fitted) continue;
-        Tried tried{free_ride + static_cast<std::size_t>(depth), {}, candidate.share, *fitted};
-        for (const auto& effect : fitted->model.effects) tried.names.emplace_back(effect->info().name);
-        std::sort(tried.names.begin(), tried.names.end());
-        std::string key;
-        for (const auto& name : tried.names) key += name + " ";
-        result.tried.push_back(std::move(tried));
-        if (seen.insert(key).second) extended.emplace_back(std::move(*fitted), candidate.share);
+        result.tried.push_back(as_tried(*fitted, free_ride + static_cast<std::size_t>(depth), candidate.share));
+        if (seen.insert(result.tried.back().names).second) extended.push_back(std::move(*fitted));
       }
     }
-    const auto by_error = [](const auto& x, const auto& y) {
-      return x.first.errors.filtered_validation < y.first.errors.filtered_validation;
-    };
-    std::erase_if(extended, [&](const auto& entry) { return stands_in(entry.first, prediction.sample_time_s()); });
+    const auto error = [](const Hypothesis& hypothesis) { return hypothesis.errors.filtered_validation; };
+    std::erase_if(extended, [&](const auto& one) { return stands_in(one, prediction.sample_time_s()); });
     if (extended.empty()) break;
-    std::sort(extended.begin(), extended.end(), by_error);
-    constexpr std::size_t kReconsidered = 6;
-    for (std::size_t i = 0; i < std::min(kReconsidered, extended.size()); ++i) {
-      const Hold before = extended[i].first.hold;
-      extended[i].first = reconsider_hold(prediction, std::move(extended[i].first));
-      if (extended[i].first.hold == before) continue;
+    std::ranges::sort(extended, {}, error);
+    if (depth == 1 && !at_noise(extended.front(), options)) {
+      look_again(prediction, seed, extended, result);
+      std::ranges::sort(extended, {}, error);
+    }
+    // behind a bent base model the hold may be chosen wrongly for many, later for few
+    const std::size_t reconsidered = depth == 1 ? 6 : 2;
+    for (std::size_t i = 0; i < std::min(reconsidered, extended.size()); ++i) {
+      const Hold before = extended[i].hold;
+      extended[i] = reconsider_hold(prediction, std::move(extended[i]));
+      if (extended[i].hold == before) continue;
       for (auto& tried : result.tried) {
-        if (tried.hypothesis.effect_names() == extended[i].first.effect_names()) tried.hypothesis = extended[i].first;
+        if (tried.hypothesis.effect_names() == extended[i].effect_names()) tried.hypothesis = extended[i];
       }
     }
-    std::sort(extended.begin(), extended.end(), by_error);
+    std::ranges::sort(extended, {}, error);
+    // convergence moves a fit by far less than what the rule asks for
+    if (depth > 1 && error(extended.front()) > error(result.best)) break;
     // of equals the simplest: within 3 % of the best, the one with fewest parameters goes first
-    const double equal = 1.03 * extended.front().first.errors.filtered_validation;
+    const double equal = 1.03 * error(extended.front());
     auto simplest = extended.begin();
-    for (auto at = extended.begin(); at != extended.end() && at->first.errors.filtered_validation < equal; ++at) {
-      if (at->first.free.size() < simplest->first.free.size()) simplest = at;
+    for (auto at = extended.begin(); at != extended.end() && error(*at) < equal; ++at) {
+      if (at->free.size() < simplest->free.size()) simplest = at;
     }
     std::rotate(extended.begin(), simplest, simplest + 1);
     // the few best to convergence: an unfinished fit leaves a rest that invites a false next effect
     extended.resize(std::min(options.beam, extended.size()));
-    const FitOptions converge{.most_iterations = 40, .tolerance = 1e-7};
-    for (auto& [hypothesis, share] : extended) {
-      hypothesis = reconsider_hold(prediction, reconsider_choices(prediction, std::move(hypothesis)));
-      if (auto converged = refit(prediction, pruned(prediction, hypothesis), converge))
-        hypothesis = std::move(*converged);
-    }
+    for (auto& hypothesis : extended) hypothesis = converged(prediction, std::move(hypothesis));
     for (std::size_t i = 1; i < extended.size(); ++i) {
-      const auto& first = extended.front().first;
-      if (extended[i].first.errors.filtered_validation < 0.97 * first.errors.filtered_validation)
-        std::swap(extended.front(), extended[i]);
+      if (error(extended[i]) < 0.97 * error(extended.front())) std::swap(extended.front(), extended[i]);
     }
-    const bool accepted =
-        improves(result.best.errors, extended.front().first.errors, options.rule, result.variants_scanned);
-    if (!accepted) break;
-    result.best = extended.front().first;
-    beam.clear();
-    for (const auto& [hypothesis, share] : extended) {
-      if (beam.size() < options.beam) beam.push_back(hypothesis);
-    }
+    if (!improves(result.best.errors, extended.front().errors, options.rule, result.variants_scanned)) break;
+    result.best = extended.front();
+    beam = std::move(extended);
   }
   // backward: an effect stays only while its absence would be noticed
   for (std::size_t i = 0; i < result.best.model.effects.size();) {

@@ -20,6 +20,7 @@ struct SearchOptions {
   std::size_t refits_first = 12;  ///< variants refitted at the first depth and at the next ones
   std::size_t refits_next = 7;
   AcceptanceRule rule;
+  double filtered_noise = 0.0;  ///< no model's filtered error comes below it; 0 where that is not known
   /// Called with a share of the work done, 0..1, and what is being tried.
   std::function<void(double, const std::string&)> progress;
 };
