@@ -73,7 +73,7 @@ TEST_F(Panel, StopsByTheEscapeKeyAndByTheButtonUntilReset) {
   desk.keys("F5");
   ASSERT_TRUE(desk.until([](const auto& s) { return is(s, "fault", "none") && s["running"] == true; }));
   desk.click("button.stop");
-  EXPECT_TRUE(desk.until([](const auto& s) { return is(s, "fault", "external"); }));
+  EXPECT_TRUE(desk.until([](const auto& s) { return is(s, "fault", "external"); })) << desk.shown().dump(1);
 }
 
 TEST_F(Panel, ShowsEveryView) {
@@ -145,7 +145,7 @@ TEST_F(Panel, ArmsADeviceAcrossTheNetworkByTwoActionsOnly) {
     ASSERT_TRUE(armed) << desk.shown().dump(1);
     desk.picture("9_armed");
     desk.keys("Escape");
-    EXPECT_TRUE(desk.until([](const auto& s) { return is(s, "fault", "external"); }));
+    EXPECT_TRUE(desk.until([](const auto& s) { return is(s, "fault", "external"); })) << desk.shown().dump(1);
   }
 }
 
