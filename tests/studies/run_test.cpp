@@ -25,6 +25,7 @@
 #include "models/errors.h"
 #include "studies/plant_service.h"
 #include "studies/run_stability.h"
+#include "tests/support/sanitized.h"
 
 namespace handloop::studies {
 namespace {
@@ -226,7 +227,7 @@ TEST_F(Run, KilledAtAnyMomentItLeavesAReadableLog) {
   int with_rows = 0;
   for (int kill_number = 0; kill_number < 50; ++kill_number) {
     const pid_t child = start({"run", kScenario, "--duration", "30", "--out", (folder_ / "killed").string()});
-    std::this_thread::sleep_for(std::chrono::microseconds(20'000 + random() % 400'000));
+    std::this_thread::sleep_for(std::chrono::microseconds(tests::kSlower * (20'000 + random() % 400'000)));
     kill(child, SIGKILL);
     exit_code(child);
     for (const auto& entry : fs::directory_iterator(folder_)) {
@@ -250,7 +251,7 @@ TEST_F(Run, KilledAtAnyMomentItLeavesAReadableLog) {
 
 TEST_F(Run, AKilledRunsLogIsPointedOutToTheNext) {
   const pid_t child = start({"run", kScenario, "--realtime", "--duration", "30", "--out", (folder_ / "a").string()});
-  std::this_thread::sleep_for(500ms);
+  std::this_thread::sleep_for(tests::kSlower * 500ms);
   kill(child, SIGKILL);
   exit_code(child);
   const auto outcome = run(options("a", 0.1));
@@ -260,7 +261,7 @@ TEST_F(Run, AKilledRunsLogIsPointedOutToTheNext) {
 
 TEST_F(Run, SigtermEndsItInOrder) {
   const pid_t child = start({"run", kScenario, "--realtime", "--duration", "30", "--out", (folder_ / "a").string()});
-  std::this_thread::sleep_for(800ms);
+  std::this_thread::sleep_for(tests::kSlower * 800ms);
   kill(child, SIGTERM);
   EXPECT_EQ(exit_code(child), 0);
   const auto json = summary("a");

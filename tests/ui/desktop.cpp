@@ -14,6 +14,8 @@
 #include <stdexcept>
 #include <thread>
 
+#include "tests/support/sanitized.h"
+
 namespace handloop::ui {
 namespace {
 
@@ -97,7 +99,7 @@ nlohmann::json Desktop::shown() const {
 }
 
 bool Desktop::until(const std::function<bool(const nlohmann::json&)>& come, int seconds) const {
-  for (int i = 0; i < 20 * seconds; ++i) {
+  for (int i = 0; i < 20 * seconds * tests::kSlower; ++i) {
     const auto now = shown();
     if (!now.is_discarded() && come(now)) return true;
     std::this_thread::sleep_for(50ms);

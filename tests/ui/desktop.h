@@ -22,7 +22,7 @@ class Desktop {
   Desktop& operator=(const Desktop&) = delete;
 
   nlohmann::json shown() const;
-  /// Waits until the panel shows what is expected; false after a minute.
+  /// Waits until the panel shows what is expected; false after a minute (longer under a sanitizer).
   bool until(const std::function<bool(const nlohmann::json&)>& come, int seconds = 60) const;
   bool until_named(const std::string& landmark) const;
 

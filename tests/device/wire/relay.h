@@ -27,12 +27,14 @@ class Relay {
         back_(Socket::towards(plant)),
         script_(std::move(script)),
         thread_([this] { pass_on(); }) {}
-  ~Relay() {
+  ~Relay() { end(); }
+  /// Passes nothing on any more.
+  void end() {
     stop_ = true;
-    thread_.join();
+    if (thread_.joinable()) thread_.join();
   }
   Address address() const { return front_.local(); }
-  /// Everything that was sent towards the plant, as sent. To be read after the relay ended or when it is quiet.
+  /// Everything that was sent towards the plant, as sent. To be read after end().
   const std::vector<Bytes>& seen() const { return seen_; }
 
  private:

@@ -163,6 +163,7 @@ TEST(Wire, PacketsOfAnOldSessionMeanNothingInANewOne) {
     WireDevice device(FakePlant().description(), to(relay.address(), true));
     run_wall(device, 50);
     std::this_thread::sleep_for(50ms);  // the closing packets are on their way
+    relay.end();
     recorded = relay.seen();
   }
   ASSERT_GT(recorded.size(), 50u);
