@@ -384,7 +384,11 @@ std::optional<Hypothesis> extend(const Prediction& prediction, const Hypothesis&
     keep(refit(prediction, with_gains(from.model.arm, share), options));
     if (!has_gain || (best && best->train_cost < 1.0001 * from.train_cost)) break;
   }
-  if (from.model.effects.empty() && from.model.base == models::BaseModel::arm5 && variant.place == Place::grasp) {
+  // A grasp that came out rigid leaves everything beyond it no motion to act on.
+  constexpr double kRigid = 1e5;
+  const bool rigid = from.model.arm.k1_N_per_m > kRigid || from.model.arm.b1_Ns_per_m > kRigid;
+  if (from.model.effects.empty() && from.model.base == models::BaseModel::arm5 &&
+      (variant.place == Place::grasp || rigid)) {
     // Alone, the base model bends itself towards the missing effect, sometimes too far to find back. At the grasp no
     // force scan helps: from a usual arm as well.
     std::optional<Hypothesis> usual;

@@ -19,6 +19,8 @@ namespace {
 using models::AxisModel;
 using models::BaseModel;
 
+/// Times the filtered noise, above which one effect that helps little is no reason to give up.
+constexpr double kFarFromNoise = 5.0;
 constexpr FitOptions kFirstFit{.most_iterations = 25, .tolerance = 1e-5};
 
 /// Mass, damping and stiffness by regression of the force on the smoothed motion, constant term aside.
@@ -285,8 +287,11 @@ SearchResult search_effects(const Prediction& prediction, const Hypothesis& base
     for (std::size_t i = 1; i < extended.size(); ++i) {
       if (error(extended[i]) < 0.97 * error(extended.front())) std::swap(extended.front(), extended[i]);
     }
-    if (!improves(result.best.errors, extended.front().errors, options.rule, result.variants_scanned)) break;
-    result.best = extended.front();
+    if (improves(result.best.errors, extended.front().errors, options.rule, result.variants_scanned)) {
+      result.best = extended.front();
+    } else if (depth > 1 || error(result.best) < kFarFromNoise * options.filtered_noise) {
+      break;  // far from the noise two effects may hide each other: then the second is looked for all the same
+    }
     beam = std::move(extended);
   }
   // backward: an effect stays only while its absence would be noticed
