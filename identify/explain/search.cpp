@@ -21,6 +21,8 @@ using models::BaseModel;
 
 /// Times the filtered noise, above which one effect that helps little is no reason to give up.
 constexpr double kFarFromNoise = 5.0;
+/// Of a candidate that is tried though the scan saw nothing of it.
+constexpr double kSmallestShare = 1e-9;
 constexpr FitOptions kFirstFit{.most_iterations = 25, .tolerance = 1e-5};
 
 /// Mass, damping and stiffness by regression of the force on the smoothed motion, constant term aside.
@@ -67,6 +69,15 @@ std::vector<ScanResult> shortlist(const std::vector<ScanResult>& ranked, const s
     if (list.size() == count) break;
     if (list.size() >= always && result.share < std::max(options.rule.gain, 0.15 * ranked.front().share)) break;
     if (names.insert(result.variant.type->info.name).second) list.push_back(result);
+  }
+  // what has no gain starts from usual arms, whatever the bent base model lets the scan see of it
+  if (depth == 1) {
+    for (const auto& result : ranked) {
+      const auto& info = result.variant.type->info;
+      const bool gainless = std::ranges::none_of(
+          info.parameters, [](const auto& p) { return p.search.role == models::Role::gain; });
+      if (gainless && names.insert(info.name).second) list.push_back({result.variant, kSmallestShare});
+    }
   }
   // What the force side can start is tried too: behind a bent base model all of it, later the two it thinks most of.
   const std::size_t more = depth == 1 ? force_starts.size() : 2;
