@@ -364,8 +364,8 @@ std::optional<Hypothesis> extend(const Prediction& prediction, const Hypothesis&
   const auto& parameters = variant.type->info.parameters;
   const bool has_gain =
       std::any_of(parameters.begin(), parameters.end(), [](const auto& p) { return p.search.role == Role::gain; });
-  const auto with_gains = [&](const models::ArmParameters& arm, double share, std::span<const double> values) {
-    Variant start{variant.type, variant.place, {values.begin(), values.end()}};
+  const auto with_gains = [&](const models::ArmParameters& arm, double share) {
+    auto start = variant;
     for (std::size_t i = 0; i < parameters.size(); ++i) {
       if (parameters[i].search.role == Role::gain)
         start.values[i] = std::clamp(share * start.values[i], parameters[i].lower, parameters[i].upper);
@@ -381,7 +381,7 @@ std::optional<Hypothesis> extend(const Prediction& prediction, const Hypothesis&
   };
   // a whole first-order step may overshoot into divergence or into another valley: then from near nothing as well
   for (const double share : {0.7, 0.1}) {
-    keep(refit(prediction, with_gains(from.model.arm, share, variant.values), options));
+    keep(refit(prediction, with_gains(from.model.arm, share), options));
     if (!has_gain || (best && best->train_cost < 1.0001 * from.train_cost)) break;
   }
   // A grasp that came out rigid leaves everything beyond it no motion to act on.
@@ -390,18 +390,11 @@ std::optional<Hypothesis> extend(const Prediction& prediction, const Hypothesis&
   if (from.model.effects.empty() && from.model.base == models::BaseModel::arm5 &&
       (variant.place == Place::grasp || !has_gain || rigid)) {
     // Alone, the base model bends itself towards the missing effect, sometimes too far to find back. At the grasp and
-    // on the signals no force scan helps: from a usual arm as well, and what has no gain from every start.
+    // on the signals no force scan helps: from a usual arm as well.
     std::optional<Hypothesis> usual;
-    const auto begin = [&](std::span<const double> values) {
-      for (const auto& arm : kUsualArms) {
-        auto begun = refit(prediction, with_gains(arm, 0.7, values), {.most_iterations = 5, .tolerance = 1e-3});
-        if (begun && (!usual || begun->train_cost < usual->train_cost)) usual = std::move(begun);
-      }
-    };
-    if (has_gain) {
-      begin(variant.values);
-    } else {
-      for_each_start(variant, scale, [&](const std::vector<double>& values) { begin(values); });
+    for (const auto& arm : kUsualArms) {
+      auto begun = refit(prediction, with_gains(arm, 0.7), {.most_iterations = 5, .tolerance = 1e-3});
+      if (begun && (!usual || begun->train_cost < usual->train_cost)) usual = std::move(begun);
     }
     if (usual) keep(refit(prediction, *usual, options));
   }
