@@ -126,8 +126,10 @@ Eigen::VectorXd leading_coefficients(const Eigen::MatrixXd& columns, const Eigen
   qr.compute(columns);
   const auto rank = qr.rank();
   Eigen::VectorXd pivoted = Eigen::VectorXd::Zero(columns.cols());
-  pivoted.head(rank) = qr.matrixQR().topLeftCorner(rank, rank).triangularView<Eigen::Upper>().solve(
-      (qr.householderQ().transpose() * signal).head(rank).eval());
+  pivoted.head(rank) = qr.matrixQR()
+                           .topLeftCorner(rank, rank)
+                           .triangularView<Eigen::Upper>()
+                           .solve((qr.householderQ().transpose() * signal).head(rank).eval());
   return qr.colsPermutation() * pivoted;
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include "identify/arm_fit.h"
@@ -23,6 +24,8 @@ using models::BaseModel;
 constexpr double kFarFromNoise = 5.0;
 /// Of a candidate that is tried though the scan saw nothing of it.
 constexpr double kSmallestShare = 1e-9;
+/// Share of the error of every other candidate, below which one at the edge of its range is kept.
+constexpr double kAloneAtEdge = 0.5;
 constexpr FitOptions kFirstFit{.most_iterations = 25, .tolerance = 1e-5};
 
 /// Mass, damping and stiffness by regression of the force on the smoothed motion, constant term aside.
@@ -74,8 +77,8 @@ std::vector<ScanResult> shortlist(const std::vector<ScanResult>& ranked, const s
   if (depth == 1) {
     for (const auto& result : ranked) {
       const auto& info = result.variant.type->info;
-      const bool gainless = std::ranges::none_of(
-          info.parameters, [](const auto& p) { return p.search.role == models::Role::gain; });
+      const bool gainless =
+          std::ranges::none_of(info.parameters, [](const auto& p) { return p.search.role == models::Role::gain; });
       if (gainless && names.insert(info.name).second) list.push_back({result.variant, kSmallestShare});
     }
   }
@@ -103,6 +106,19 @@ bool stands_in(const Hypothesis& hypothesis, double sample_time_s) {
     if (telling && (value <= 1.01 * p.lower || value >= 0.99 * p.upper)) return true;
   }
   return false;
+}
+
+/// One at the edge stays where nothing else comes near it: the effect is right, that value of it unsure.
+void drop_those_that_stand_in(std::vector<Hypothesis>& hypotheses, double sample_time_s) {
+  double others = std::numeric_limits<double>::infinity();
+  for (const auto& one : hypotheses) {
+    if (!stands_in(one, sample_time_s)) others = std::min(others, one.errors.filtered_validation);
+  }
+  std::erase_if(hypotheses, [&](const auto& one) {
+    const bool alone =
+        !one.model.effects.back()->acts_on_signal() && one.errors.filtered_validation < kAloneAtEdge * others;
+    return stands_in(one, sample_time_s) && !alone;
+  });
 }
 
 /// The candidate's fit from where the scan and from where the force side would start it, not to the last digit.
@@ -265,7 +281,7 @@ SearchResult search_effects(const Prediction& prediction, const Hypothesis& base
       }
     }
     const auto error = [](const Hypothesis& hypothesis) { return hypothesis.errors.filtered_validation; };
-    std::erase_if(extended, [&](const auto& one) { return stands_in(one, prediction.sample_time_s()); });
+    drop_those_that_stand_in(extended, prediction.sample_time_s());
     if (extended.empty()) break;
     std::ranges::sort(extended, {}, error);
     if (depth == 1 && !at_noise(extended.front(), options)) {
