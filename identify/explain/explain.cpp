@@ -19,6 +19,9 @@ using models::Place;
 /// What the tabulated rest must gain to be called structure: more than an effect, for it has a hundred knots.
 constexpr AcceptanceRule kRestRule{.gain = 0.10, .significance = 0.01};
 
+/// Times the error of two named effects, below which one law without a name does as well.
+constexpr double kAsGood = 1.05;
+
 /// True where the force as recorded would need a negative mass or spring.
 bool force_is_reversed(const models::Recording& recording) {
   const double h = recording.sample_time_s;
@@ -222,6 +225,36 @@ void drop_undetermined(const Prediction& given, Hypothesis& hypothesis) {
   }
 }
 
+/// Place in the list of a ripple of few periods beside another law of displacement. Such a sum follows any smooth law
+/// (free play, a stop, saturation): it is evidence of a law, not of these two.
+std::optional<std::size_t> ripple_beside_another_law(const models::AxisModel& model, const Trajectory& motion) {
+  constexpr double kTellingPeriods = 4;
+  std::optional<std::size_t> ripple;
+  bool other = false;
+  for (std::size_t i = 0; i < model.effects.size(); ++i) {
+    const auto& effect = *model.effects[i];
+    const auto name = effect.info().name;
+    other = other || name == "cubic_stiffness" || name == "asymmetric_stiffness";
+    if (name != "position_ripple") continue;
+    const double range = 4 * standard_deviation(motion.at(effect.place()).x_m);
+    if (range < kTellingPeriods * effect.parameter("period_m")) ripple = i;
+  }
+  return other ? ripple : std::nullopt;
+}
+
+/// Another law of force moves the mean of the motion: a constant read at the sensor follows it.
+void centre_again(const Prediction& prediction, Hypothesis& hypothesis) {
+  for (auto& effect : hypothesis.model.effects) {
+    if (effect->info().name != "offset" || effect->place() != Place::sensor) continue;
+    const auto residual = residual_over_all(prediction, hypothesis.model);
+    const std::array values{
+        0.0, effect->parameter("position_m") + mean(std::span(residual).first(prediction.train_samples()))};
+    effect = models::make_effect("offset", Place::sensor, values);
+    hypothesis.errors = prediction.errors(hypothesis.model);
+    return;
+  }
+}
+
 FoundEffect found(const models::Effect& effect) {
   FoundEffect entry{std::string(effect.info().name), effect.place(), {}, {}, {}, 0.0};
   for (std::size_t i = 0; i < effect.parameters().size(); ++i) {
@@ -268,8 +301,7 @@ Explanation explain(const models::Recording& given, const std::optional<models::
 
   auto search_options = options.search;
   // where forces are predicted, what the model lacks reaches the bands that tell of noise
-  if (prediction.driven_by() == DrivenBy::force)
-    search_options.filtered_noise = filtered_noise(prediction, base.model);
+  if (prediction.driven_by() == DrivenBy::force) search_options.filtered_noise = filtered_noise(prediction, base.model);
   search_options.progress = [&](double share, const std::string& what) { progress(0.1 + 0.75 * share, what); };
   auto search = search_effects(prediction, base, ranked, search_options);
   choose_motion_bandwidth(prediction, search.best);
@@ -303,14 +335,33 @@ Explanation explain(const models::Recording& given, const std::optional<models::
   result.catalogue = result.after.errors;
 
   progress(0.87, "rest without a name");
-  const auto named = result.after;
-  if (auto rest = fit_rest(prediction, result.after)) {
-    if (improves(result.after.errors, rest->hypothesis.errors, kRestRule, 1)) {
-      const double before = result.after.errors.filtered_validation,
-                   after = rest->hypothesis.errors.filtered_validation;
-      result.share_of_residual = 1 - (after * after) / (before * before);
-      result.after = rest->hypothesis;
-      result.rest = std::move(rest);
+  auto named = result.after;
+  const auto take_rest = [&](const Hypothesis& from, Rest rest) {
+    const double before = from.errors.filtered_validation, after = rest.hypothesis.errors.filtered_validation;
+    result.share_of_residual = 1 - (after * after) / (before * before);
+    named = from;
+    result.after = rest.hypothesis;
+    result.rest = std::move(rest);
+  };
+  const auto rest_of = [&](const Hypothesis& from) {
+    auto rest = fit_rest(prediction, from);
+    if (rest) centre_again(prediction, rest->hypothesis);
+    return rest;
+  };
+  if (auto rest = rest_of(named); rest && improves(named.errors, rest->hypothesis.errors, kRestRule, 1))
+    take_rest(named, std::move(*rest));
+  const auto motion_of_named = prediction.run(named.model, true);
+  if (const auto ripple = ripple_beside_another_law(named.model, motion_of_named)) {
+    const auto both = named;
+    const double with_it = result.after.errors.filtered_validation;
+    const auto reduced = without(prediction, named, *ripple);
+    auto rest = reduced ? rest_of(*reduced) : std::nullopt;
+    if (rest && rest->hypothesis.errors.filtered_validation < kAsGood * with_it) {
+      result.catalogue = reduced->errors;
+      take_rest(*reduced, std::move(*rest));
+      result.rivals.insert(result.rivals.begin(),
+                           {"position_ripple", both.errors.rmse_validation, both.errors.filtered_validation, true,
+                            "larger motion, over which a ripple repeats and another law does not"});
     }
   }
 

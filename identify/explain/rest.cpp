@@ -181,8 +181,10 @@ std::optional<Rest> fit_rest(const Prediction& given, const Hypothesis& from) {
   const auto recorded = prediction.recorded_motion(from.model);
   const auto [lowest, highest] = std::ranges::minmax(recorded.arm.x_m);
   const double centre = 0.5 * (lowest + highest);
-  const std::array frame{centre, std::max(0.5 * (highest - lowest), 1e-9),
-                         std::max(largest(recorded.arm.v_m_per_s), 1e-9)};
+  // a grasp that fits nothing makes motions without bound of the record
+  const auto& bounds = models::find_effect_type("tabulated").info.parameters;
+  std::array frame{centre, 0.5 * (highest - lowest), largest(recorded.arm.v_m_per_s)};
+  for (std::size_t i = 0; i < frame.size(); ++i) frame[i] = std::clamp(frame[i], bounds[i].lower, bounds[i].upper);
   Rest rest{from, 0, 0, 0, ""};
   const int number = static_cast<int>(from.model.effects.size());
   std::vector<double> values(Grid::kParameters, 0.0);
